@@ -67,13 +67,23 @@ void *ffp_alloc(size_t count, size_t size) {
     return memset(ffp_alloc_undefined(bytes), 0, bytes);
 }
 
-void *ffp_take(size_t count, size_t size) {
-    const size_t bytes = ffp_checked_bytes(count, size);
-    void *memory = ffp_alloc_undefined(bytes);
+static void *undefined(void *memory, size_t bytes) {
 #ifdef FFP_SANITIZED
-    memset(memory, 0xFF, bytes); // NaN: reading it before it is written shows
+    if (memory) memset(memory, 0xFF, bytes); // NaN: reading it before it is written shows
+#else
+    (void)bytes;
 #endif
     return memory;
+}
+
+void *ffp_take(size_t count, size_t size) {
+    const size_t bytes = ffp_checked_bytes(count, size);
+    return undefined(ffp_alloc_undefined(bytes), bytes);
+}
+
+void *ffp_try_take(size_t count, size_t size) {
+    size_t bytes;
+    return bytes_of(count, size, &bytes) ? undefined(new_block(owner_of_new(), bytes), bytes) : NULL;
 }
 
 void *ffp_try_alloc(size_t count, size_t size) {

@@ -16,8 +16,10 @@ void *ffp_alloc(size_t count, size_t size);
 // The same, with undefined contents: for memory that is written before it is read. Its pages are not touched
 // before.
 void *ffp_take(size_t count, size_t size);
-// As ffp_alloc, but returns NULL in that case. For code that holds something only it can release.
+// As ffp_alloc and ffp_take, but they return NULL in that case. For code that holds something only it can
+// release.
 void *ffp_try_alloc(size_t count, size_t size);
+void *ffp_try_take(size_t count, size_t size);
 // Enlarges a block (or NULL), keeping its contents and zeroing the rest. If that fails, the old one is
 // unchanged.
 void *ffp_grow(void *memory, size_t count, size_t size);

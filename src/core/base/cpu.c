@@ -71,8 +71,20 @@ static FfpCpuLevel detect(void) {
 }
 #endif
 
+// On Intel's processors arithmetic in pairs of bf16 without tiles has half the rate of fp32, on AMD's twice
+// (docs/design/performance.md).
+static FfpCpuLevel quickest(FfpCpuLevel level) {
+#if defined(__x86_64__)
+    uint32_t a, b, c, d;
+    if (level == FFP_CPU_AVX512BF16 && __get_cpuid(0, &a, &b, &c, &d) && b == signature_INTEL_ebx)
+        return FFP_CPU_AVX512;
+#endif
+    return level;
+}
+
 static void decide(void) {
-    best = chosen = detect();
+    best = detect();
+    chosen = quickest(best);
     const char *wanted = getenv("FFPROCAMS_CPU");
     if (!wanted || !*wanted) return;
     for (int level = 0; level <= (int)best; level++) {

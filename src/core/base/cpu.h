@@ -35,8 +35,9 @@ const char *ffp_cpu_name(FfpCpuLevel level); // portable, avx2, neon, ...
 bool ffp_cpu_bf16(FfpCpuLevel level);        // whether products of this level take operands rounded to bf16
 FfpCpuLevel ffp_cpu_best(void);              // the highest level that this processor and kernel can run
 
-// The level in use: the best, or the one that the environment variable FFPROCAMS_CPU names if it can run here
-// (ffp_cpu_check tells). Decided at the first call.
+// The level in use: the quickest (the best, or avx512 where bf16 without tiles is slower), or the one that
+// the environment variable FFPROCAMS_CPU names if it can run here (ffp_cpu_check tells). Decided at the first
+// call.
 FfpCpuLevel ffp_cpu_level(void);
 // Whether FFPROCAMS_CPU names a level that this processor can run, or nothing.
 FFP_API bool ffp_cpu_check(FfpError *err); // public too

@@ -1,4 +1,5 @@
 // Memory of what a thread works on (device.h).
+#include <stdint.h>
 #include <string.h>
 #include "core/base/arena.h"
 #include "core/base/device.h"
@@ -20,13 +21,24 @@ void ffp_memory_free(void *block) {
         ffp_free(block);
 }
 
+// Large blocks by all threads.
+static void clear(char *block, size_t bytes) {
+    enum { PART = 65536 };
+    const int64_t parts = (int64_t)((bytes + PART - 1) / PART);
+#pragma omp parallel for schedule(static) if (parts > 1)
+    for (int64_t i = 0; i < parts; i++) {
+        const size_t from = (size_t)i * PART, left = bytes - from;
+        memset(block + from, 0, left < PART ? left : PART);
+    }
+}
+
 void ffp_memory_zero(void *block, size_t bytes) {
     const FfpDevice *device = ffp_device();
     if (bytes == 0) return;
     if (device)
         device->zero(block, bytes);
     else
-        memset(block, 0, bytes);
+        clear(block, bytes);
 }
 
 void ffp_memory_copy(void *to, const void *from, size_t bytes) {

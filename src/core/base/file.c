@@ -63,7 +63,7 @@ static bool read_stream(FILE *stream, const char *path, size_t max_bytes, char *
     if (known && (unsigned long long)about.st_size > max_bytes)
         return ffp_fail(err, FFP_ERROR_FILE, path, "file is larger than %zu bytes", max_bytes);
     size_t capacity = (known ? (size_t)about.st_size : 0) + 4096, used = 0;
-    char *buffer = ffp_try_alloc(capacity, 1);
+    char *buffer = ffp_try_take(capacity, 1);
     while (buffer) {
         used += fread(buffer + used, 1, capacity - 1 - used, stream);
         if (used > max_bytes || used < capacity - 1) break;

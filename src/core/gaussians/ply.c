@@ -35,31 +35,44 @@ static void put_float(unsigned char *bytes, float value) {
     for (int i = 0; i < 4; i++) bytes[i] = (unsigned char)(bits >> (8 * i));
 }
 
-static bool first_bad_number(const FfpGaussians *gaussians, int64_t index, float row[FFP_ROW_NUMBERS],
-                             int *bad) {
-    // The decoder knows what a reader will refuse; a row is decoded into a Gaussian nobody keeps.
+typedef unsigned char RowBytes[4 * FFP_ROW_NUMBERS];
+
+// Returns which number a reader would refuse, as the decoder knows; negative: none. It decodes the row into a
+// Gaussian that nobody keeps.
+static int print_row(const FfpGaussians *gaussians, int64_t index, RowBytes bytes) {
     real centre[3], scale[3], rotation[4], opacity, albedo[3], roughness, ambient[3];
     FfpGaussians one = {1, centre, scale, rotation, &opacity, albedo, &roughness, ambient, ""};
+    float row[FFP_ROW_NUMBERS];
     ffp_row_encode(gaussians, index, row);
-    *bad = ffp_row_decode(row, &one, 0);
-    return *bad >= 0;
+    for (int c = 0; c < FFP_ROW_NUMBERS; c++) put_float(bytes + 4 * c, row[c]);
+    return ffp_row_decode(row, &one, 0);
 }
 
+// Rows in blocks, each of them printed by all threads.
 static bool write_rows(FILE *stream, const FfpGaussians *gaussians, const char *path, real opacity_min,
                        FfpError *err) {
-    for (int64_t i = 0; i < gaussians->count; i++) {
-        if (gaussians->opacity[i] < opacity_min) continue;
-        float row[FFP_ROW_NUMBERS];
-        unsigned char bytes[4 * FFP_ROW_NUMBERS];
-        int bad;
-        if (first_bad_number(gaussians, i, row, &bad))
-            return ffp_fail(err, FFP_ERROR_FILE, path, "refusing to write a Gaussian with an invalid %s",
-                            ffp_row_names[bad]);
-        for (int c = 0; c < FFP_ROW_NUMBERS; c++) put_float(bytes + 4 * c, row[c]);
-        if (fwrite(bytes, sizeof bytes, 1, stream) != 1)
-            return ffp_fail(err, FFP_ERROR_IO, path, "cannot write");
+    enum { ROWS = 8 * BLOCK_ROWS };
+    RowBytes *rows = ffp_take(ROWS, sizeof *rows);
+    int *bad = ffp_take(ROWS, sizeof *bad);
+    bool ok = true;
+    for (int64_t done = 0; ok && done < gaussians->count; done += ROWS) {
+        const int64_t left = gaussians->count - done, n = left < ROWS ? left : ROWS;
+#pragma omp parallel for schedule(static)
+        for (int64_t r = 0; r < n; r++)
+            if (!(gaussians->opacity[done + r] < opacity_min))
+                bad[r] = print_row(gaussians, done + r, rows[r]);
+        for (int64_t r = 0; ok && r < n; r++) {
+            if (gaussians->opacity[done + r] < opacity_min) continue;
+            if (bad[r] >= 0)
+                ok = ffp_fail(err, FFP_ERROR_FILE, path, "refusing to write a Gaussian with an invalid %s",
+                              ffp_row_names[bad[r]]);
+            else if (fwrite(rows[r], sizeof rows[r], 1, stream) != 1)
+                ok = ffp_fail(err, FFP_ERROR_IO, path, "cannot write");
+        }
     }
-    return true;
+    ffp_free(bad);
+    ffp_free(rows);
+    return ok;
 }
 
 bool ffp_gaussians_write(const FfpGaussians *gaussians, const char *path, real opacity_min, FfpError *err) {

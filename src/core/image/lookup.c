@@ -1,9 +1,11 @@
 // Summed-area tables on the CPU; what is made of them is in lookup_box.h.
 #include "core/image/lookup.h"
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 #include "core/base/arena.h"
 #include "core/base/device.h"
+#include "core/base/integer.h"
 #include "core/image/lookup_box.h"
 
 static size_t entries_of(int width, int height) {
@@ -25,8 +27,50 @@ static void find_plain(const FfpImage *rgb, FfpSummed *summed) {
     for (int c = 0; c < 3 && count; c++) summed->colour[c] = (double)rgb->data[c];
 }
 
-void ffp_summed_fill(FfpSummed *summed, const FfpImage *rgb) {
+// Strips of columns are filled side by side; the sums of a row begin at a strip's left edge with what is left
+// of it, added up from the row's first pixel in every strip alike.
+typedef double Edge[3];
+
+// [strips,height]: of each row, the sums left of each strip.
+static Edge *sums_at_edges(const FfpImage *rgb, int strips) {
+    Edge *edges = ffp_alloc((size_t)strips * (size_t)rgb->height, sizeof *edges);
+    const size_t width = (size_t)rgb->width, height = (size_t)rgb->height;
+#pragma omp parallel for schedule(static) if (strips > 1)
+    for (size_t y = 0; y < height; y++) {
+        const real *from = rgb->data + y * width * 3;
+        Edge row = {0};
+        size_t x = 0;
+        for (size_t s = 1; s < (size_t)strips; s++) {
+            for (; x < s * width / (size_t)strips; x++)
+                for (size_t c = 0; c < 3; c++) row[c] += (double)from[3 * x + c];
+            memcpy(edges[s * height + y], row, sizeof row);
+        }
+    }
+    return edges;
+}
+
+// Columns first to end - 1 of the picture; edge: [height].
+static void fill_strip(FfpSummed *summed, const FfpImage *rgb, size_t first, size_t end, const Edge *edge) {
     enum { N = FFP_SUMMED_CHANNELS };
+    const size_t width = (size_t)rgb->width, stride = (width + 1) * N;
+    for (size_t y = 0; y < (size_t)rgb->height; y++) {
+        const real *from = rgb->data + y * width * 3;
+        const double *above = summed->sum + y * stride;
+        double *to = summed->sum + (y + 1) * stride, row[3];
+        memcpy(row, edge[y], sizeof row);
+        if (first == 0) memset(to, 0, N * sizeof *to);
+        for (size_t x = first; x < end; x++) {
+            for (size_t c = 0; c < 3; c++) {
+                row[c] += (double)from[3 * x + c];
+                to[N * (x + 1) + c] = above[N * (x + 1) + c] + row[c];
+            }
+            to[N * (x + 1) + 3] = 0;
+        }
+    }
+}
+
+void ffp_summed_fill(FfpSummed *summed, const FfpImage *rgb) {
+    enum { N = FFP_SUMMED_CHANNELS, LEAST = 64 }; // columns of a strip
     const size_t stride = ((size_t)rgb->width + 1) * N;
     find_plain(rgb, summed);
     if (summed->plain) {
@@ -42,19 +86,14 @@ void ffp_summed_fill(FfpSummed *summed, const FfpImage *rgb) {
         summed->sum = ffp_take(entries_of(rgb->width, rgb->height), N * sizeof(double));
         memset(summed->sum, 0, stride * sizeof(double));
     }
-    for (int y = 0; y < rgb->height; y++) {
-        const real *from = rgb->data + (size_t)y * (size_t)rgb->width * 3;
-        const double *above = summed->sum + (size_t)y * stride;
-        double *to = summed->sum + (size_t)(y + 1) * stride, row[3] = {0, 0, 0};
-        memset(to, 0, N * sizeof *to);
-        for (size_t x = 0; x < (size_t)rgb->width; x++) {
-            for (size_t c = 0; c < 3; c++) {
-                row[c] += (double)from[3 * x + c];
-                to[N * (x + 1) + c] = above[N * (x + 1) + c] + row[c];
-            }
-            to[N * (x + 1) + 3] = 0;
-        }
-    }
+    const int strips = ffp_smaller(omp_in_parallel() ? 1 : omp_get_max_threads(), rgb->width / LEAST + 1);
+    Edge *edges = sums_at_edges(rgb, strips);
+#pragma omp parallel for schedule(static) if (strips > 1)
+    for (int s = 0; s < strips; s++)
+        fill_strip(summed, rgb, (size_t)s * (size_t)rgb->width / (size_t)strips,
+                   ((size_t)s + 1) * (size_t)rgb->width / (size_t)strips,
+                   edges + (size_t)s * (size_t)rgb->height);
+    ffp_free(edges);
 }
 
 FfpSummed ffp_summed_new(const FfpImage *rgb) {

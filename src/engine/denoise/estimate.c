@@ -44,17 +44,32 @@ static bool inside(const FfpImage *coverage, int x, int y) {
     return true;
 }
 
-static void sample_view(Samples *s, const FfpView *view, const int photographs[FFP_PHOTOGRAPHS]) {
-    const int width = view->camera.width, height = view->camera.height;
-    real *stack = ffp_stack_new(view, photographs);
-    for (int y = 1; y + 1 < height; y += s->step)
-        for (int x = 1; x + 1 < width; x += s->step) {
-            if (!inside(&view->coverage, x, y)) continue;
-            s->bright[s->count] = 0;
-            laplacian(stack, width, (size_t)y * (size_t)width + (size_t)x, s->edges[s->count],
-                      &s->bright[s->count]);
-            s->count++;
+// Samples of row y, from `at` on; returns the place after the last one. stack NULL: only counts.
+static int64_t sample_row(const Samples *s, const FfpView *view, const real *stack, int y, int64_t at) {
+    const int width = view->camera.width;
+    for (int x = 1; x + 1 < width; x += s->step) {
+        if (!inside(&view->coverage, x, y)) continue;
+        if (stack) {
+            s->bright[at] = 0;
+            laplacian(stack, width, (size_t)y * (size_t)width + (size_t)x, s->edges[at], &s->bright[at]);
         }
+        at++;
+    }
+    return at;
+}
+
+static void sample_view(Samples *s, const FfpView *view, const int photographs[FFP_PHOTOGRAPHS]) {
+    const int height = view->camera.height, rows = height > 2 ? (height - 3) / s->step + 1 : 0;
+    real *stack = ffp_stack_new(view, photographs);
+    int64_t *first = ffp_alloc((size_t)rows + 1, sizeof *first); // of each row
+#pragma omp parallel for schedule(static)
+    for (int r = 0; r < rows; r++) first[r + 1] = sample_row(s, view, NULL, 1 + r * s->step, 0);
+    first[0] = s->count;
+    for (int r = 0; r < rows; r++) first[r + 1] += first[r];
+#pragma omp parallel for schedule(dynamic, 8)
+    for (int r = 0; r < rows; r++) sample_row(s, view, stack, 1 + r * s->step, first[r]);
+    s->count = first[rows];
+    ffp_free(first);
     ffp_free(stack);
 }
 
@@ -103,23 +118,50 @@ static double along(const real *edges, const double *direction, int n) {
     return sum;
 }
 
+typedef struct Products { // of the values of samples: sums of e e^T, its lower half
+    double sum[FFP_VALUES * FFP_VALUES];
+    int64_t count;
+} Products;
+
+// All samples but the outliers along a direction.
+static Products products_of(const Samples *s, int64_t from, int64_t end, int n, const double *direction,
+                            double most) {
+    Products out = {0};
+    for (int64_t i = from; i < end; i++) {
+        const real *e = s->edges[i];
+        const double d = along(e, direction, n);
+        if (d * d > most) continue;
+        out.count++;
+        for (int p = 0; p < n; p++)
+            for (int q = 0; q <= p; q++) out.sum[p * n + q] += (double)e[p] * (double)e[q];
+    }
+    return out;
+}
+
+// The same in parts that do not depend on the number of threads; returns how many samples count.
+static int64_t covariance(const Samples *s, int n, const double *direction, double most, double *a) {
+    enum { PARTS = 64 };
+    Products *parts = ffp_take(PARTS, sizeof *parts);
+    int64_t count = 0;
+#pragma omp parallel for schedule(static)
+    for (int k = 0; k < PARTS; k++)
+        parts[k] = products_of(s, k * s->count / PARTS, (k + 1) * s->count / PARTS, n, direction, most);
+    memset(a, 0, (size_t)(n * n) * sizeof *a);
+    for (int k = 0; k < PARTS; k++) {
+        count += parts[k].count;
+        for (int i = 0; i < n * n; i++) a[i] += parts[k].sum[i];
+    }
+    for (int i = 0; count > 0 && i < n * n; i++) a[i] /= (double)count;
+    ffp_free(parts);
+    return count;
+}
+
 // Smallest eigenvalue of the covariance of all but the outliers along its own direction.
 static double smallest_variance(const Samples *s, int n) {
     double direction[FFP_VALUES] = {0}, values[FFP_VALUES] = {INFINITY};
     for (int round = 0; round < ROUNDS; round++) {
-        double a[FFP_VALUES * FFP_VALUES] = {0};
-        const double most = OUTLIER * OUTLIER * values[0];
-        int64_t count = 0;
-        for (int64_t i = 0; i < s->count; i++) {
-            const real *e = s->edges[i];
-            const double d = along(e, direction, n);
-            if (d * d > most) continue;
-            count++;
-            for (int p = 0; p < n; p++)
-                for (int q = 0; q <= p; q++) a[p * n + q] += (double)e[p] * (double)e[q];
-        }
-        if (count == 0) return 0;
-        for (int i = 0; i < n * n; i++) a[i] /= (double)count;
+        double a[FFP_VALUES * FFP_VALUES];
+        if (covariance(s, n, direction, OUTLIER * OUTLIER * values[0], a) == 0) return 0;
         ffp_eigen(a, n, values);
         memcpy(direction, a, (size_t)n * sizeof *a);
     }

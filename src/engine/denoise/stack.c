@@ -22,11 +22,11 @@ bool ffp_has_photographs(const FfpView *view, const int photographs[FFP_PHOTOGRA
 
 real *ffp_stack_new(const FfpView *view, const int photographs[FFP_PHOTOGRAPHS]) {
     const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
-    real *stack = ffp_alloc(pixels * FFP_VALUES, sizeof *stack);
-    for (int p = 0; p < FFP_PHOTOGRAPHS; p++) {
-        const real *picture = view->images[photographs[p]].data;
-        for (size_t i = 0; i < pixels; i++)
-            memcpy(stack + i * FFP_VALUES + 3 * (size_t)p, picture + 3 * i, 3 * sizeof *picture);
-    }
+    real *stack = ffp_take(pixels * FFP_VALUES, sizeof *stack);
+#pragma omp parallel for schedule(static)
+    for (size_t i = 0; i < pixels; i++)
+        for (size_t p = 0; p < FFP_PHOTOGRAPHS; p++)
+            memcpy(stack + i * FFP_VALUES + 3 * p, view->images[photographs[p]].data + 3 * i,
+                   3 * sizeof *stack);
     return stack;
 }

@@ -3,47 +3,66 @@
 #include <tgmath.h>
 #include "core/base/device.h"
 #include "engine/loss/loss.h"
+#include "engine/loss/rows.h"
 #include "engine/loss/table.h"
 #include "engine/loss/terms.h"
 
-real ffp_l1_loss(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad) {
-    assert(prediction->width == target->width && prediction->height == target->height &&
-           prediction->channels == target->channels);
-    const size_t row = (size_t)prediction->width * prediction->channels, count = row * prediction->height;
-    if (count == 0) return 0;
-    if (ffp_device()) return ffp_device()->loss->l1(prediction, target, weight, grad);
-    const real step = weight / (real)count;
-    double total = 0; // row by row in real, rows in double: a picture's sum in fp32 would lose digits
-    for (int y = 0; y < prediction->height; y++) {
-        const real *p = prediction->data + y * row, *t = target->data + y * row;
-        real sum = 0;
+typedef struct Difference { // of two pictures
+    const real *prediction, *target;
+    real *grad; // NULL: not wanted
+    real step;
+    size_t row; // numbers in one
+} Difference;
+
+// Row by row in real, rows in double: a picture's sum in fp32 would lose digits.
+static double l1_row(const void *argument, int y) {
+    const Difference *d = argument;
+    const real *p = d->prediction + y * d->row, *t = d->target + y * d->row, step = d->step;
+    real sum = 0;
 #pragma omp simd reduction(+ : sum)
-        for (size_t i = 0; i < row; i++) sum += fabs(p[i] - t[i]);
-        total += sum;
-        if (!grad) continue;
-        real *g = grad->data + y * row;
-        for (size_t i = 0; i < row; i++) g[i] += ffp_signed(step, p[i] - t[i]);
-    }
-    return weight * (real)(total / (double)count);
+    for (size_t i = 0; i < d->row; i++) sum += fabs(p[i] - t[i]);
+    if (!d->grad) return sum;
+    real *g = d->grad + y * d->row;
+    for (size_t i = 0; i < d->row; i++) g[i] += ffp_signed(step, p[i] - t[i]);
+    return sum;
+}
+
+static double square_row(const void *argument, int y) {
+    const Difference *d = argument;
+    const real *p = d->prediction + y * d->row, *t = d->target + y * d->row, step = d->step;
+    real sum = 0;
+#pragma omp simd reduction(+ : sum)
+    for (size_t i = 0; i < d->row; i++) sum += (p[i] - t[i]) * (p[i] - t[i]);
+    if (!d->grad) return sum;
+    real *g = d->grad + y * d->row;
+    for (size_t i = 0; i < d->row; i++) g[i] += step * (p[i] - t[i]);
+    return sum;
+}
+
+// weight * the mean over all numbers of what `of_row` adds up; slope: of one number's term, without the
+// weight.
+static real mean_of(FfpRowSum *of_row, const FfpImage *prediction, const FfpImage *target, real weight,
+                    real slope, FfpImage *grad) {
+    const size_t row = (size_t)prediction->width * prediction->channels, count = row * prediction->height;
+    const Difference d = {prediction->data, target->data, grad ? grad->data : NULL,
+                          slope * weight / (real)count, row};
+    return weight * (real)(ffp_sum_of_rows(prediction->height, of_row, &d) / (double)count);
+}
+
+// Whether there is nothing to compare.
+static bool are_empty(const FfpImage *a, const FfpImage *b) {
+    assert(a->width == b->width && a->height == b->height && a->channels == b->channels);
+    return (size_t)a->width * a->height * b->channels == 0;
+}
+
+real ffp_l1_loss(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad) {
+    if (are_empty(prediction, target)) return 0;
+    if (ffp_device()) return ffp_device()->loss->l1(prediction, target, weight, grad);
+    return mean_of(l1_row, prediction, target, weight, 1, grad);
 }
 
 real ffp_square_loss(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad) {
-    assert(prediction->width == target->width && prediction->height == target->height &&
-           prediction->channels == target->channels);
-    const size_t row = (size_t)prediction->width * prediction->channels, count = row * prediction->height;
-    if (count == 0) return 0;
+    if (are_empty(prediction, target)) return 0;
     if (ffp_device()) return ffp_device()->loss->square(prediction, target, weight, grad);
-    const real step = 2 * weight / (real)count;
-    double total = 0;
-    for (int y = 0; y < prediction->height; y++) {
-        const real *p = prediction->data + y * row, *t = target->data + y * row;
-        real sum = 0;
-#pragma omp simd reduction(+ : sum)
-        for (size_t i = 0; i < row; i++) sum += (p[i] - t[i]) * (p[i] - t[i]);
-        total += sum;
-        if (!grad) continue;
-        real *g = grad->data + y * row;
-        for (size_t i = 0; i < row; i++) g[i] += step * (p[i] - t[i]);
-    }
-    return weight * (real)(total / (double)count);
+    return mean_of(square_row, prediction, target, weight, 2, grad);
 }

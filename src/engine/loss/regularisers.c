@@ -5,21 +5,37 @@
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "core/base/device.h"
+#include "core/base/integer.h"
 #include "core/base/vec.h"
 #include "engine/loss/loss.h"
+#include "engine/loss/rows.h"
 #include "engine/loss/table.h"
 #include "engine/loss/terms.h"
+
+#define PART 1024 // pixels of a sum that no row bounds
+
+typedef struct Cover {
+    const real *opacity, *mask;
+    real *grad, scale; // grad: NULL: not wanted
+    int pixels;
+} Cover;
+
+static double mask_part(const void *argument, int part) {
+    const Cover *c = argument;
+    const int end = ffp_smaller((part + 1) * PART, c->pixels);
+    double sum = 0;
+    for (int i = part * PART; i < end; i++) {
+        sum -= ffp_mask_term(c->opacity[i], c->mask[i]);
+        if (c->grad) c->grad[i] += ffp_mask_slope(c->opacity[i], c->mask[i], c->scale);
+    }
+    return sum;
+}
 
 real ffp_mask_loss(const real *opacity, const real *mask, int pixels, real weight, real *grad_opacity) {
     if (pixels <= 0) return 0;
     if (ffp_device()) return ffp_device()->loss->mask(opacity, mask, pixels, weight, grad_opacity);
-    const real scale = weight / (real)pixels;
-    double sum = 0;
-    for (int i = 0; i < pixels; i++) {
-        sum -= ffp_mask_term(opacity[i], mask[i]);
-        if (grad_opacity) grad_opacity[i] += ffp_mask_slope(opacity[i], mask[i], scale);
-    }
-    return weight * (real)(sum / pixels);
+    const Cover cover = {opacity, mask, grad_opacity, weight / (real)pixels, pixels};
+    return weight * (real)(ffp_sum_of_rows((pixels - 1) / PART + 1, mask_part, &cover) / pixels);
 }
 
 real ffp_depth_loss(const real *depth_sum, const real *opacity, const real *truth, int pixels, real weight,
@@ -94,28 +110,93 @@ double ffp_distance_loss(const real *t, const real *truth, int64_t count, real w
     return total * (double)weight / (double)known;
 }
 
-// The neighbours of pixel (x,y) that count: 0 to 2 indices into `other`, right one first.
-static int neighbours(const bool *used, int x, int y, int width, int height, int other[2]) {
-    const int i = y * width + x;
+typedef struct Pairs { // of neighbours that both count
+    int width, height, channels;
+    bool *used;         // [pixels]
+    real *right, *down; // [pixels,channels] what the pair of a pixel with its right one, or with the one
+                        // below, adds to that one's slope and takes from its own; 0: no pair
+    int *counts;        // [height] of pairs
+    const real *values; // [pixels,channels] unit normals, or sums of roughness,
+    const real *albedo, *opacity; // with these
+} Pairs;
+
+static Pairs pairs_new(int width, int height, int channels) {
+    const size_t pixels = (size_t)width * (size_t)height, numbers = pixels * (size_t)channels;
+    real *right = ffp_alloc(2 * numbers, sizeof *right);
+    return (Pairs){.width = width,
+                   .height = height,
+                   .channels = channels,
+                   .used = ffp_take(pixels, sizeof(bool)),
+                   .right = right,
+                   .down = right + numbers,
+                   .counts = ffp_alloc((size_t)height, sizeof(int))};
+}
+
+static void pairs_free(Pairs *pairs) {
+    ffp_free(pairs->used);
+    ffp_free(pairs->right);
+    ffp_free(pairs->counts);
+}
+
+static int count_of(const Pairs *pairs) {
     int count = 0;
-    if (!used[i]) return 0;
-    if (x + 1 < width && used[i + 1]) other[count++] = i + 1;
-    if (y + 1 < height && used[i + width]) other[count++] = i + width;
+    for (int y = 0; y < pairs->height; y++) count += pairs->counts[y];
     return count;
 }
 
-static int count_pairs(const bool *used, int width, int height) {
-    int count = 0, other[2];
-    for (int y = 0; y < height; y++)
-        for (int x = 0; x < width; x++) count += neighbours(used, x, y, width, height, other);
+// The slope of channel c at a pixel: what its four pairs make of it.
+static real slope_at(const Pairs *pairs, int i, int c) {
+    const int n = pairs->channels, above = i - pairs->width, k = i * n + c;
+    const real from_above = above >= 0 ? pairs->down[above * n + c] : 0,
+               from_left = i % pairs->width > 0 ? pairs->right[k - n] : 0;
+    return from_above + from_left - pairs->right[k] - pairs->down[k];
+}
+
+// The neighbours of pixel (x,y) that count: 0 to 2 indices into `other`, right one first, and where the
+// pairs' slopes belong.
+static int neighbours(const Pairs *pairs, int x, int y, int other[2], real *slope[2]) {
+    const int width = pairs->width, i = y * width + x;
+    int count = 0;
+    if (!pairs->used[i]) return 0;
+    if (x + 1 < width && pairs->used[i + 1]) {
+        slope[count] = pairs->right + (size_t)i * pairs->channels;
+        other[count++] = i + 1;
+    }
+    if (y + 1 < pairs->height && pairs->used[i + width]) {
+        slope[count] = pairs->down + (size_t)i * pairs->channels;
+        other[count++] = i + width;
+    }
+    pairs->counts[y] += count;
     return count;
 }
 
-// Unit normals [pixels,3] and the lengths of the sums; used: foreground pixels that carry a normal.
-static void normalise_sums(real *unit, real *length, bool *used, const real *sums, const real *mask,
-                           int pixels) {
-    for (int i = 0; i < pixels; i++)
-        used[i] = ffp_unit_normal(unit + 3 * i, length + i, sums + 3 * i, mask[i]);
+static double normal_row(const void *argument, int y) {
+    const Pairs *pairs = argument;
+    const real *unit = pairs->values;
+    double sum = 0;
+    for (int x = 0; x < pairs->width; x++) {
+        int other[2];
+        real *slope[2];
+        const int i = y * pairs->width + x, count = neighbours(pairs, x, y, other, slope);
+        for (int k = 0; k < 3 * count; k++) {
+            const int c = k % 3, j = other[k / 3];
+            const real step = unit[3 * j + c] - unit[3 * i + c];
+            sum += fabs(step);
+            slope[k / 3][c] = ffp_signed(1, step);
+        }
+    }
+    return sum;
+}
+
+static void add_normal_slopes(const Pairs *pairs, const real *length, real weight, int count, real *grad) {
+    const int pixels = pairs->width * pairs->height;
+#pragma omp parallel for schedule(static)
+    for (int i = 0; i < pixels; i++) {
+        if (!pairs->used[i]) continue;
+        const real slope[3] = {slope_at(pairs, i, 0), slope_at(pairs, i, 1), slope_at(pairs, i, 2)};
+        ffp_unit_normal_backward(grad + 3 * i, slope, pairs->values + 3 * i,
+                                 weight / ((real)count * length[i]));
+    }
 }
 
 real ffp_normal_smooth_loss(const real *normal_sum, const real *mask, int width, int height, real weight,
@@ -123,31 +204,49 @@ real ffp_normal_smooth_loss(const real *normal_sum, const real *mask, int width,
     const int pixels = width * height;
     if (pixels <= 0) return 0;
     if (ffp_device()) return ffp_device()->loss->normal_smooth(normal_sum, mask, width, height, weight, grad);
-    real *unit = ffp_alloc((size_t)pixels * 7, sizeof *unit), *slope = unit + 3 * (size_t)pixels;
-    real *length = slope + 3 * (size_t)pixels;
-    bool *used = ffp_alloc(pixels, sizeof *used);
-    normalise_sums(unit, length, used, normal_sum, mask, pixels);
-    const int pairs = count_pairs(used, width, height);
-    double sum = 0;
-    for (int y = 0; y < height; y++)
-        for (int x = 0; x < width; x++) {
-            int other[2];
-            const int i = y * width + x, count = neighbours(used, x, y, width, height, other);
-            for (int k = 0; k < 3 * count; k++) {
-                const int c = k % 3, j = other[k / 3];
-                const real step = unit[3 * j + c] - unit[3 * i + c];
-                sum += fabs(step);
-                slope[3 * j + c] += ffp_signed(1, step);
-                slope[3 * i + c] -= ffp_signed(1, step);
-            }
-        }
-    for (int i = 0; grad && pairs > 0 && i < pixels; i++)
-        if (used[i])
-            ffp_unit_normal_backward(grad + 3 * i, slope + 3 * i, unit + 3 * i,
-                                     weight / ((real)pairs * length[i]));
-    ffp_free(used);
+    Pairs pairs = pairs_new(width, height, 3);
+    real *unit = ffp_take((size_t)pixels * 4, sizeof *unit), *length = unit + 3 * (size_t)pixels;
+#pragma omp parallel for schedule(static)
+    for (int i = 0; i < pixels; i++)
+        pairs.used[i] = ffp_unit_normal(unit + 3 * i, length + i, normal_sum + 3 * i, mask[i]);
+    pairs.values = unit;
+    const double sum = ffp_sum_of_rows(height, normal_row, &pairs);
+    const int count = count_of(&pairs);
+    if (grad && count > 0) add_normal_slopes(&pairs, length, weight, count, grad);
     ffp_free(unit);
-    return pairs > 0 ? weight * (real)(sum / pairs) : 0;
+    pairs_free(&pairs);
+    return count > 0 ? weight * (real)(sum / count) : 0;
+}
+
+static double roughness_row(const void *argument, int y) {
+    const Pairs *pairs = argument;
+    double sum = 0;
+    for (int x = 0; x < pairs->width; x++) {
+        int other[2];
+        real *slope[2];
+        const int i = y * pairs->width + x, count = neighbours(pairs, x, y, other, slope);
+        for (int k = 0; k < count; k++) {
+            real trust;
+            const real step =
+                ffp_roughness_step(pairs->values, pairs->albedo, pairs->opacity, i, other[k], &trust);
+            sum += fabs(step) * trust;
+            *slope[k] = ffp_signed(trust, step);
+        }
+    }
+    return sum;
+}
+
+static void add_roughness_slopes(const Pairs *pairs, real weight, int count, real *grad_roughness_sum,
+                                 real *grad_opacity) {
+    const int pixels = pairs->width * pairs->height;
+#pragma omp parallel for schedule(static)
+    for (int i = 0; i < pixels; i++) {
+        if (!pairs->used[i]) continue;
+        const real opacity = pairs->opacity[i];
+        const real scaled = weight * slope_at(pairs, i, 0) / ((real)count * opacity);
+        if (grad_roughness_sum) grad_roughness_sum[i] += scaled;
+        if (grad_opacity) grad_opacity[i] -= scaled * pairs->values[i] / opacity;
+    }
 }
 
 real ffp_roughness_loss(const real *roughness_sum, const real *albedo_sum, const real *opacity,
@@ -158,31 +257,14 @@ real ffp_roughness_loss(const real *roughness_sum, const real *albedo_sum, const
     if (ffp_device())
         return ffp_device()->loss->roughness(roughness_sum, albedo_sum, opacity, mask, width, height, weight,
                                              grad_roughness_sum, grad_opacity);
-    bool *used = ffp_alloc(pixels, sizeof *used);
-    real *slope = ffp_alloc(pixels, sizeof *slope);
-    for (int i = 0; i < pixels; i++) used[i] = ffp_roughness_counts(opacity[i], mask[i]);
-    const int pairs = count_pairs(used, width, height);
-    double sum = 0;
-    for (int y = 0; y < height; y++)
-        for (int x = 0; x < width; x++) {
-            int other[2];
-            const int i = y * width + x, count = neighbours(used, x, y, width, height, other);
-            for (int k = 0; k < count; k++) {
-                const int j = other[k];
-                real trust;
-                const real step = ffp_roughness_step(roughness_sum, albedo_sum, opacity, i, j, &trust);
-                sum += fabs(step) * trust;
-                slope[j] += ffp_signed(trust, step);
-                slope[i] -= ffp_signed(trust, step);
-            }
-        }
-    for (int i = 0; i < pixels && pairs > 0; i++) {
-        if (!used[i]) continue;
-        const real scaled = weight * slope[i] / ((real)pairs * opacity[i]);
-        if (grad_roughness_sum) grad_roughness_sum[i] += scaled;
-        if (grad_opacity) grad_opacity[i] -= scaled * roughness_sum[i] / opacity[i];
-    }
-    ffp_free(slope);
-    ffp_free(used);
-    return pairs > 0 ? weight * (real)(sum / pairs) : 0;
+    Pairs pairs = pairs_new(width, height, 1);
+    for (int i = 0; i < pixels; i++) pairs.used[i] = ffp_roughness_counts(opacity[i], mask[i]);
+    pairs.values = roughness_sum;
+    pairs.albedo = albedo_sum;
+    pairs.opacity = opacity;
+    const double sum = ffp_sum_of_rows(height, roughness_row, &pairs);
+    const int count = count_of(&pairs);
+    if (count > 0) add_roughness_slopes(&pairs, weight, count, grad_roughness_sum, grad_opacity);
+    pairs_free(&pairs);
+    return count > 0 ? weight * (real)(sum / count) : 0;
 }

@@ -169,16 +169,33 @@ static bool check_known(const FfpModel *model, const char *name, const char *pat
                     "a tensor that the configuration does not have");
 }
 
-static bool read_parameter(const FfpModel *model, const FfpParameter *p, const FfpSafetensors *file,
-                           const char *path, FfpError *err) {
-    const FfpPlace where = ffp_place(path, p->name);
+enum { FINITE = -1, WHOLE_NUMBERS = -2 };
+
+// Fills in a parameter; returns the index of its first value that is not finite, or one of the above.
+static int64_t fill_parameter(const FfpModel *model, const FfpParameter *p, const FfpSafetensors *file) {
     real *values = model->values + p->offset;
-    if (!ffp_tensor_to_real(ffp_safetensors_find(file, p->name), values))
-        return ffp_fail(err, FFP_ERROR_FILE, where.text, "integers instead of real numbers");
+    if (!ffp_tensor_to_real(ffp_safetensors_find(file, p->name), values)) return WHOLE_NUMBERS;
     for (int64_t i = 0; i < p->count; i++)
-        if (!isfinite(values[i]))
-            return ffp_fail(err, FFP_ERROR_FILE, where.text, "value %lld is not finite", (long long)i);
-    return true;
+        if (!isfinite(values[i])) return i;
+    return FINITE;
+}
+
+static bool read_parameters(FfpModel *model, const FfpSafetensors *file, const char *path, FfpError *err) {
+    const int n = model->n_parameters;
+    int64_t *bad = ffp_take((size_t)n, sizeof *bad);
+    bool ok = true;
+    model->values = ffp_take((size_t)model->count, sizeof *model->values);
+#pragma omp parallel for schedule(dynamic)
+    for (int i = 0; i < n; i++) bad[i] = fill_parameter(model, &model->parameters[i], file);
+    for (int i = 0; ok && i < n; i++) {
+        const FfpPlace where = ffp_place(path, model->parameters[i].name);
+        if (bad[i] == WHOLE_NUMBERS)
+            ok = ffp_fail(err, FFP_ERROR_FILE, where.text, "integers instead of real numbers");
+        else if (bad[i] != FINITE)
+            ok = ffp_fail(err, FFP_ERROR_FILE, where.text, "value %lld is not finite", (long long)bad[i]);
+    }
+    ffp_free(bad);
+    return ok;
 }
 
 static void keep_metadata(FfpModel *model, const FfpSafetensors *file) {
@@ -199,9 +216,7 @@ static FfpModel *read_model(const FfpSafetensors *file, const char *path, FfpErr
     for (int i = 0; ok && i < model->n_parameters; i++)
         ok = check_parameter(&model->parameters[i], file, path, err);
     for (int i = 0; ok && i < file->count; i++) ok = check_known(model, file->tensors[i].name, path, err);
-    if (ok) model->values = ffp_alloc((size_t)model->count, sizeof *model->values);
-    for (int i = 0; ok && i < model->n_parameters; i++)
-        ok = read_parameter(model, &model->parameters[i], file, path, err);
+    ok = ok && read_parameters(model, file, path, err);
     if (ok) keep_metadata(model, file);
     if (ok) return model;
     ffp_model_free(model);

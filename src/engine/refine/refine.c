@@ -111,7 +111,7 @@ static void clear(FfpGaussians *g) {
     }
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute x = ffp_attribute(g, a);
-        memset(x.data, 0, (size_t)g->count * (size_t)x.width * sizeof(real));
+        ffp_memory_zero(x.data, (size_t)g->count * (size_t)x.width * sizeof(real));
     }
 }
 

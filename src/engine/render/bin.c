@@ -38,18 +38,21 @@ void ffp_bin_count(FfpRaster *raster, int c) {
 
 // Turns the counts into places: tile by tile, in a tile chunk by chunk.
 static void place_chunks(FfpRaster *raster) {
-    const int tiles = raster->tiles_x * raster->tiles_y;
-    int64_t place = 0;
-    for (int t = 0; t < tiles; t++) {
-        raster->tile_first[t] = place;
-        for (int c = 0; c < FFP_CHUNKS; c++) {
-            int64_t *count = &raster->counts[(int64_t)c * tiles + t];
+    const int64_t tiles = (int64_t)raster->tiles_x * raster->tiles_y;
+    int64_t *first = raster->tile_first; // first and then the next place of each tile
+    memset(first, 0, (size_t)(tiles + 1) * sizeof *first);
+    for (int c = 0; c < FFP_CHUNKS; c++)
+        for (int64_t t = 0; t < tiles; t++) first[t + 1] += raster->counts[c * tiles + t];
+    for (int64_t t = 0; t < tiles; t++) first[t + 1] += first[t];
+    for (int c = 0; c < FFP_CHUNKS; c++)
+        for (int64_t t = 0; t < tiles; t++) {
+            int64_t *count = &raster->counts[c * tiles + t];
             const int64_t here = *count;
-            *count = place;
-            place += here;
+            *count = first[t];
+            first[t] += here;
         }
-    }
-    raster->tile_first[tiles] = place;
+    memmove(first + 1, first, (size_t)tiles * sizeof *first); // a tile's next is now the first of the next
+    first[0] = 0;
 }
 
 static void fill_chunk(FfpRaster *raster, const FfpChunk *chunk, int64_t before, int64_t *places) {

@@ -1,4 +1,3 @@
-#include <string.h>
 #include "core/base/device.h"
 #include "engine/render/render.h"
 #include "engine/render/table.h"
@@ -22,13 +21,13 @@ void ffp_gbuffer_clear(FfpGbuffer *g) {
         return;
     }
     const size_t plane = (size_t)g->width * (size_t)g->height * sizeof(real);
-    memset(g->opacity, 0, plane);
-    memset(g->depth, 0, plane);
-    memset(g->normal, 0, 3 * plane);
-    memset(g->albedo, 0, 3 * plane);
-    memset(g->roughness, 0, plane);
-    memset(g->ambient, 0, 3 * plane);
-    memset(g->distortion, 0, plane);
+    ffp_memory_zero(g->opacity, plane);
+    ffp_memory_zero(g->depth, plane);
+    ffp_memory_zero(g->normal, 3 * plane);
+    ffp_memory_zero(g->albedo, 3 * plane);
+    ffp_memory_zero(g->roughness, plane);
+    ffp_memory_zero(g->ambient, 3 * plane);
+    ffp_memory_zero(g->distortion, plane);
 }
 
 void ffp_gbuffer_free(FfpGbuffer *g) {

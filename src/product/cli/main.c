@@ -1,5 +1,9 @@
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include "cli.h"
 
 static const FfpCommand *const commands[] = {
@@ -82,6 +86,15 @@ static int run(void *argument) {
     return status;
 }
 
+// Of 1024 x 1024 the arrays of a reconstruction have tens of megabytes and come and go in every step: by
+// default each goes back to the system and is faulted in again, page by page (docs/design/performance.md).
+static void keep_large_blocks(void) {
+#ifdef __GLIBC__
+    mallopt(M_MMAP_THRESHOLD, 1 << 30);
+    mallopt(M_TRIM_THRESHOLD, INT_MAX);
+#endif
+}
+
 int main(int argc, char **argv) {
     FfpProgram here = program;
     here.version = ffp_version();
@@ -103,6 +116,7 @@ int main(int argc, char **argv) {
     for (int i = 0; commands[i]; i++)
         if (strcmp(argv[1], commands[i]->name) == 0) {
             ffp_cli_wait_passively(argv);
+            if (commands[i] == &ffp_cli_reconstruct) keep_large_blocks();
             return ffp_cli_on_large_stack(run, &(Given){commands[i], argc - 1, argv + 1});
         }
     return unknown_command(argv[1]);

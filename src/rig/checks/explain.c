@@ -234,13 +234,14 @@ double ffp_rig_guess(const FfpCapture *capture, const FfpView *view, const FfpGu
     const real side = footprint(capture, view);
     Sample *samples = ffp_alloc(PIXELS_A_GUESS, sizeof *samples);
     const int n = collect(capture, view, guess->photograph, PIXELS_A_GUESS, samples);
-    double sum = 0;
+    double *best = ffp_take(PIXELS_A_GUESS, sizeof *best), sum = 0;
+#pragma omp parallel for schedule(static)
     for (int i = 0; i < n; i++) {
-        double best;
         if (guess->reversed) reverse_channels(&samples[i]);
-        judge(view, guess->pattern, &samples[i], &variant, 1, across, side, &best);
-        sum += best;
+        judge(view, guess->pattern, &samples[i], &variant, 1, across, side, &best[i]);
     }
+    for (int i = 0; i < n; i++) sum += best[i];
+    ffp_free(best);
     ffp_free(samples);
     ffp_cancel_point();
     return n >= PIXELS_LEAST ? sqrt(sum / n) : NAN;

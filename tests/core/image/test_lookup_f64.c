@@ -1,5 +1,6 @@
 // Summed-area lookups against sums pixel by pixel, and their gradients against central differences.
 #include <math.h>
+#include <omp.h>
 #include "core/base/rng.h"
 #include "core/image/lookup_box.h"
 #include "support.h"
@@ -195,11 +196,35 @@ static void srgb_slope(void **state) {
     }
 }
 
+// Threads fill strips of columns: with any number of them the same bits.
+static void strips(void **state) {
+    (void)state;
+    enum { WIDE = 301, THREADS = 4 };
+    FfpRng rng = ffp_rng(9, 0);
+    FfpImage pattern = ffp_image_new(WIDE, HEIGHT, 3);
+    for (int i = 0; i < WIDE * HEIGHT * 3; i++) pattern.data[i] = ffp_rng_uniform(&rng);
+    const int usual = omp_get_max_threads();
+    FfpSummed of[THREADS];
+    for (int t = 0; t < THREADS; t++) {
+        omp_set_num_threads(t + 1);
+        of[t] = ffp_summed_new(&pattern);
+        assert_memory_equal(of[t].sum, of[0].sum,
+                            (WIDE + 1) * (HEIGHT + 1) * FFP_SUMMED_CHANNELS * sizeof(double));
+    }
+    omp_set_num_threads(usual);
+    for (int t = 0; t < THREADS; t++) ffp_summed_free(&of[t]);
+    ffp_image_free(&pattern);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lookup_is_the_mean), cmocka_unit_test(unit_box_is_bilinear),
-        cmocka_unit_test(position_gradient),  cmocka_unit_test(plain_as_by_table),
-        cmocka_unit_test(pattern_gradient),   cmocka_unit_test(srgb_slope),
+        cmocka_unit_test(lookup_is_the_mean),
+        cmocka_unit_test(unit_box_is_bilinear),
+        cmocka_unit_test(position_gradient),
+        cmocka_unit_test(plain_as_by_table),
+        cmocka_unit_test(pattern_gradient),
+        cmocka_unit_test(srgb_slope),
+        cmocka_unit_test(strips),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
