@@ -188,6 +188,8 @@ static FfpCommon find(FfpEmptyStage *stage, const FfpCapture *capture, const uns
     grow(&c, stage);
     for (int a = 0; a < c.n; a++) ffp_layers_free(c.layers[a]);
     complete(stage, capture->n_patterns);
+    for (ptrdiff_t i = 0; object && i < pixels; i++)
+        if (object[i]) stage->known.data[i] = -1;
     return (FfpCommon){.known = (double)known / (double)pixels, .lit = (double)lit / (double)pixels};
 }
 

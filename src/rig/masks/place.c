@@ -15,17 +15,19 @@
 #define BLUR 2.0           // pixels of the camera, over which the pattern is averaged
 #define RELATIVE 0.08      // of what white adds: the error to allow in what a pattern adds
 #define COST_MOST 8.0      // of a place that is believed: its three channels' squared errors, their sum
+#define CLEARLY 0.5        // of the cost of any place that the object cannot reach
 #define COST_LIMIT 30.0    // of one
 #define LIT 5.0            // times the noise that white adds
 #define BIN 0.02           // of the sphere's radius, of heights among which the platter's is looked for
 #define ABOVE 0.06         // of it, by which something stands above the platter
+#define AS_MANY 0.5        // of the pixels at the commonest height
 #define PLATTER_LEAST 0.05 // of the pixels within reach, which must lie at the platter's height
 enum { DEPTHS = 288, HEIGHTS = 200 };
 enum { AROUND = 4, CLOSED = 2 }; // pixels about marks that count as marked; half the width of gaps in them
 
-typedef struct Places { // of each pixel
-    real *cost;         // of the best depth
-    real (*points)[3];  // there, in the world
+typedef struct Places {  // of each pixel
+    real *cost, *beyond; // of the best depth within reach; of the best other one
+    real (*points)[3];   // within reach, in the world
 } Places;
 
 typedef struct Sweep {
@@ -126,12 +128,18 @@ static real cost_at(const Sweep *s, ptrdiff_t pixel, double z) {
     return (real)fmin(sum, COST_LIMIT);
 }
 
+// Whether the object's sphere, turned about the axis, reaches as far from it as a point.
+static bool is_within(const Sweep *s, const real point[3]) {
+    const real *centre = s->capture->centre;
+    return hypot(point[0], point[1]) < s->capture->radius + hypot(centre[0], centre[1]);
+}
+
 static void sweep(const Sweep *s, Places *places) {
     const int width = s->view->camera.width, height = s->view->camera.height;
     const ptrdiff_t pixels = s->pixels;
     const double away = distance_of(s->capture, &s->view->camera);
     FfpImage costs = ffp_image_new(width, height, 1);
-    for (ptrdiff_t i = 0; i < pixels; i++) places->cost[i] = INFINITY;
+    for (ptrdiff_t i = 0; i < pixels; i++) places->cost[i] = places->beyond[i] = INFINITY;
     for (int k = 0; k < DEPTHS; k++) {
         const double share = (k + 0.5) / DEPTHS, z = away / ((1 - share) / NEAREST + share / FARTHEST);
         ffp_cancel_point();
@@ -140,9 +148,12 @@ static void sweep(const Sweep *s, Places *places) {
         FfpImage means = ffp_local_mean(&costs, WINDOW);
 #pragma omp parallel for schedule(static)
         for (ptrdiff_t i = 0; i < pixels; i++) {
-            if (!(means.data[i] < places->cost[i])) continue;
-            places->cost[i] = means.data[i];
-            point_at(s, i, z, places->points[i]);
+            real point[3];
+            point_at(s, i, z, point);
+            real *least = is_within(s, point) ? &places->cost[i] : &places->beyond[i];
+            if (!(means.data[i] < *least)) continue;
+            *least = means.data[i];
+            if (least == &places->cost[i]) memcpy(places->points[i], point, sizeof point);
         }
         ffp_image_free(&means);
     }
@@ -154,22 +165,26 @@ static double height_of(const Sweep *s, const Places *places, ptrdiff_t pixel) {
     return (s->view->camera.pose[9] > 0 ? -1 : 1) * (double)places->points[pixel][2];
 }
 
-// The height at which most marked pixels lie; false where too few do.
+// The height at which most marked pixels lie, or a greater one at which nearly as many do: a table around the
+// platter is seen as well. False where too few do.
 static bool find_platter(const Sweep *s, const Places *places, const unsigned char *marks, double *platter) {
     const double bin = BIN * (double)s->capture->radius;
-    int64_t counts[HEIGHTS + 2] = {0}, all = 0, best = 0;
+    int64_t counts[HEIGHTS + 2] = {0}, near[HEIGHTS + 2] = {0}, all = 0, most = 0;
     for (ptrdiff_t i = 0; i < s->pixels; i++) {
         const double at = height_of(s, places, i) / bin + HEIGHTS / 2;
         if (!marks[i] || !(at >= 0) || at >= HEIGHTS) continue;
         counts[1 + (int)at]++, all++;
     }
     for (int k = 1; k <= HEIGHTS; k++) {
-        const int64_t near = counts[k - 1] + counts[k] + counts[k + 1];
-        if (near <= best) continue;
-        best = near;
-        *platter = (k - 0.5 - HEIGHTS / 2) * bin;
+        near[k] = counts[k - 1] + counts[k] + counts[k + 1];
+        most = near[k] > most ? near[k] : most;
     }
-    return (double)best > PLATTER_LEAST * (double)all;
+    for (int k = HEIGHTS; k >= 1; k--) {
+        if (near[k] < AS_MANY * (double)most || near[k] < near[k - 1]) continue;
+        *platter = (k - 0.5 - HEIGHTS / 2) * bin;
+        break;
+    }
+    return (double)most > PLATTER_LEAST * (double)all;
 }
 
 static bool is_lit(const Sweep *s, ptrdiff_t pixel) {
@@ -180,18 +195,16 @@ static bool is_lit(const Sweep *s, ptrdiff_t pixel) {
 
 // Marks what stands above the platter; false where there is none.
 static bool mark(unsigned char *marks, const Sweep *s, const Places *places) {
-    const double radius = (double)s->capture->radius,
-                 reach = radius + hypot((double)s->capture->centre[0], (double)s->capture->centre[1]);
+    const double radius = (double)s->capture->radius;
     double platter = 0;
-    for (ptrdiff_t i = 0; i < s->pixels; i++) {
-        const real *point = places->points[i];
+    for (ptrdiff_t i = 0; i < s->pixels; i++)
         marks[i] = s->known[i] > 0 && is_lit(s, i) && (double)places->cost[i] < COST_MOST &&
-                   hypot((double)point[0], (double)point[1]) < reach;
-    }
+                   places->cost[i] < places->beyond[i];
     if (!find_platter(s, places, marks, &platter)) return false;
     for (ptrdiff_t i = 0; i < s->pixels; i++) {
         const double above = height_of(s, places, i) - platter;
-        marks[i] = marks[i] && above > ABOVE * radius && above < 2 * radius;
+        marks[i] = marks[i] && (double)places->cost[i] < CLEARLY * (double)places->beyond[i] &&
+                   above > ABOVE * radius && above < 2 * radius;
     }
     return true;
 }
@@ -225,6 +238,7 @@ static void keep_round(unsigned char *marks, const Sweep *s, const Places *place
 double ffp_place_above(unsigned char *marks, const FfpCapture *capture, const FfpEmptyStage *stage) {
     Sweep s = new_sweep(capture, stage);
     Places places = {ffp_alloc((size_t)s.pixels, sizeof *places.cost),
+                     ffp_alloc((size_t)s.pixels, sizeof *places.beyond),
                      ffp_alloc((size_t)s.pixels, sizeof *places.points)};
     double found = 0, covered = 0;
     if (s.n > 0) sweep(&s, &places);
@@ -236,7 +250,7 @@ double ffp_place_above(unsigned char *marks, const FfpCapture *capture, const Ff
                 covered += (capture->views[v].coverage.data[i] >= 0.5F) / (double)capture->n_views;
         }
     }
-    ffp_free(places.cost), ffp_free(places.points);
+    ffp_free(places.cost), ffp_free(places.beyond), ffp_free(places.points);
     free_sweep(&s);
     return found / fmax(covered, 1);
 }

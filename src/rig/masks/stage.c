@@ -138,6 +138,7 @@ static bool continues(const Comparison *c, ptrdiff_t pixel) {
 static FfpPixelKind kind_of(const Comparison *c, int x, int y) {
     const ptrdiff_t at = (ptrdiff_t)y * c->view->width + x;
     const bool lit = grey(&c->view->of[1], at) > LIT * c->noise;
+    if (c->known->data && c->known->data[at] < 0 && lit) return FFP_PIXEL_OBJECT;
     if (c->known->data && !(c->known->data[at] > 0))
         return lit && !continues(c, at) ? FFP_PIXEL_LIT : FFP_PIXEL_UNKNOWN;
     const bool stage_lit = grey(&c->stage->of[1], at) > LIT * c->noise;

@@ -6,7 +6,8 @@
 
 typedef struct FfpEmptyStage {
     FfpImage *images; // [n_patterns] as FfpView.images, without the object; .data NULL: not photographed
-    FfpImage known;   // 1 channel, above 0 where the stage is known; .data NULL: everywhere
+    FfpImage known;   // 1 channel, above 0 where the stage is known, below where all views show the object;
+                      // .data NULL: known everywhere
 } FfpEmptyStage;
 
 // What a pixel of a view is, as far as it can be told from the stage alone.
