@@ -15,19 +15,21 @@
 #define BLUR 2.0           // pixels of the camera, over which the pattern is averaged
 #define RELATIVE 0.08      // of what white adds: the error to allow in what a pattern adds
 #define COST_MOST 8.0      // of a place that is believed: its three channels' squared errors, their sum
-#define CLEARLY 0.5        // of the cost of any place that the object cannot reach
+#define CLEARLY 0.5        // of the cost of any place that the object cannot reach; or
+#define EVEN 0.05          // of the radius: depths that differ by less, around a pixel,
 #define COST_LIMIT 30.0    // of one
 #define LIT 5.0            // times the noise that white adds
 #define BIN 0.02           // of the sphere's radius, of heights among which the platter's is looked for
 #define ABOVE 0.06         // of it, by which something stands above the platter
 #define AS_MANY 0.5        // of the pixels at the commonest height
 #define PLATTER_LEAST 0.05 // of the pixels within reach, which must lie at the platter's height
+enum { SIDE = 5, EVEN_LEAST = 16 }; // of so many times so many pixels, as many at least
 enum { DEPTHS = 288, HEIGHTS = 200 };
 enum { AROUND = 4, CLOSED = 2 }; // pixels about marks that count as marked; half the width of gaps in them
 
-typedef struct Places {  // of each pixel
-    real *cost, *beyond; // of the best depth within reach; of the best other one
-    real (*points)[3];   // within reach, in the world
+typedef struct Places {    // of each pixel
+    real *cost, *beyond;   // of the best depth within reach; of the best other one
+    real *z, (*points)[3]; // of the former: depth, and place in the world
 } Places;
 
 typedef struct Sweep {
@@ -153,7 +155,8 @@ static void sweep(const Sweep *s, Places *places) {
             real *least = is_within(s, point) ? &places->cost[i] : &places->beyond[i];
             if (!(means.data[i] < *least)) continue;
             *least = means.data[i];
-            if (least == &places->cost[i]) memcpy(places->points[i], point, sizeof point);
+            if (least == &places->cost[i])
+                places->z[i] = (real)z, memcpy(places->points[i], point, sizeof point);
         }
         ffp_image_free(&means);
     }
@@ -193,6 +196,21 @@ static bool is_lit(const Sweep *s, ptrdiff_t pixel) {
     return light > LIT * s->noise;
 }
 
+// Whether most of the pixels around one lie as far away as it does; depths found by chance do not.
+static bool is_smooth(const Sweep *s, const Places *places, ptrdiff_t pixel) {
+    const int width = s->view->camera.width, height = s->view->camera.height;
+    const int x = (int)(pixel % width), y = (int)(pixel / width);
+    int near = 0;
+    for (int k = 0; k < SIDE * SIDE; k++) {
+        const int px = x + k % SIDE - SIDE / 2, py = y + k / SIDE - SIDE / 2;
+        if (px < 0 || py < 0 || px >= width || py >= height) continue;
+        const ptrdiff_t i = (ptrdiff_t)py * width + px;
+        near += places->cost[i] < places->beyond[i] &&
+                fabs((double)(places->z[i] - places->z[pixel])) < EVEN * (double)s->capture->radius;
+    }
+    return near >= EVEN_LEAST;
+}
+
 // Marks what stands above the platter; false where there is none.
 static bool mark(unsigned char *marks, const Sweep *s, const Places *places) {
     const double radius = (double)s->capture->radius;
@@ -203,8 +221,10 @@ static bool mark(unsigned char *marks, const Sweep *s, const Places *places) {
     if (!find_platter(s, places, marks, &platter)) return false;
     for (ptrdiff_t i = 0; i < s->pixels; i++) {
         const double above = height_of(s, places, i) - platter;
-        marks[i] = marks[i] && (double)places->cost[i] < CLEARLY * (double)places->beyond[i] &&
-                   above > ABOVE * radius && above < 2 * radius;
+        marks[i] =
+            marks[i] &&
+            ((double)places->cost[i] < CLEARLY * (double)places->beyond[i] || is_smooth(s, places, i)) &&
+            above > ABOVE * radius && above < 2 * radius;
     }
     return true;
 }
@@ -237,9 +257,9 @@ static void keep_round(unsigned char *marks, const Sweep *s, const Places *place
 
 double ffp_place_above(unsigned char *marks, const FfpCapture *capture, const FfpEmptyStage *stage) {
     Sweep s = new_sweep(capture, stage);
-    Places places = {ffp_alloc((size_t)s.pixels, sizeof *places.cost),
-                     ffp_alloc((size_t)s.pixels, sizeof *places.beyond),
-                     ffp_alloc((size_t)s.pixels, sizeof *places.points)};
+    Places places = {
+        ffp_alloc((size_t)s.pixels, sizeof *places.cost), ffp_alloc((size_t)s.pixels, sizeof *places.beyond),
+        ffp_alloc((size_t)s.pixels, sizeof *places.points), ffp_alloc((size_t)s.pixels, sizeof *places.z)};
     double found = 0, covered = 0;
     if (s.n > 0) sweep(&s, &places);
     if (s.n > 0 && mark(marks, &s, &places)) {
@@ -250,7 +270,7 @@ double ffp_place_above(unsigned char *marks, const FfpCapture *capture, const Ff
                 covered += (capture->views[v].coverage.data[i] >= 0.5F) / (double)capture->n_views;
         }
     }
-    ffp_free(places.cost), ffp_free(places.beyond), ffp_free(places.points);
+    ffp_free(places.cost), ffp_free(places.beyond), ffp_free(places.points), ffp_free(places.z);
     free_sweep(&s);
     return found / fmax(covered, 1);
 }
