@@ -89,7 +89,7 @@ def results(options):
     rows = []
     for scene in options.scenes:
         truth = over_black(scene / "targets" / POSE)
-        row = [("given (one of 24)", over_black(scene / "path_0_theta000_lollipop_0.png")), ("new pose and pattern: truth", truth)]
+        row = [("given (one of 24)", over_black(scene / "path_0_theta000_lollipop_0.png")), ("new pose and pattern: truth" if options.across == 1 else "truth", truth)]
         for name, way in (way.split("=", 1) for way in options.way):
             program, *settings = shlex.split(way)
             picture = predicted(program, scene, settings)
