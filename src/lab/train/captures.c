@@ -332,7 +332,7 @@ bool ffp_is_room(const FfpTrainConfig *config, int64_t number) {
 
 bool ffp_rooms_scene(FfpScene *scene, const FfpTrainConfig *config, const FfpCaptureSet *set, int64_t number,
                      FfpError *err) {
-    int views[FFP_VIEWS_MAX + FFP_TRAIN_VIEWS_MAX];
+    int views[FFP_VIEWS_MAX + FFP_TRAIN_VIEWS_MAX] = {0};
     const Member *member = member_in_turn(set, (uint64_t)config->seed, 1ULL << 40, number);
     const int n = member->inputs, targets = member->capture.n_views - n,
               inputs = ffp_smaller(n, config->views);
