@@ -8,7 +8,8 @@
     bench/pictures.py results OUT.png --way "network alone=build/ffprocams --polish 0" --way polished=build/ffprocams SCENE..
                                        rows for docs/lab/results.md. Each SCENE is a folder that `ffprocams generate --split test` made. A row:
                                        a photograph that the reconstruction was given, the truth at a new pose under a pattern, and for each
-                                       way, a label with a program and options of its `evaluate`, the prediction and its error x 4
+                                       way, a label with a program and options of its `evaluate`, the prediction and its error x 4.
+                                       --across N: N scenes in a row, small and in 128 colours, without the photograph
     bench/pictures.py baselines WORK OUT.png SCENE.. [--program build/ffprocams]
                                        rows for docs/lab/baselines.md from what `bench/baselines WORK` has left: the truth at a new pose under a
                                        pattern, the reconstruction from eight views, the field and Gaussians from scratch on 297, each with its PSNR
@@ -88,13 +89,16 @@ def results(options):
     rows = []
     for scene in options.scenes:
         truth = over_black(scene / "targets" / POSE)
-        row = [("given (one of 24)", over_black(scene / "path_0_theta000_lollipop_0.png")), ("new pose and pattern: truth", truth)]
+        row = [("given (one of 24)", over_black(scene / "path_0_theta000_lollipop_0.png")), ("new pose and pattern: truth" if options.across == 1 else "truth", truth)]
         for name, way in (way.split("=", 1) for way in options.way):
             program, *settings = shlex.split(way)
             picture = predicted(program, scene, settings)
             row += [(name, picture), ("error x 4", ImageChops.difference(picture, truth).point(lambda value: min(4 * value, 255)))]
-        rows.append([(None if rows else label, picture) for label, picture in row])
-    save_sheet(options.out, rows, 192)
+        rows.append([(None if len(rows) >= options.across else label, picture) for label, picture in row[options.across > 1:]])
+    across = options.across
+    save_sheet(options.out, [sum(rows[i:i + across], []) for i in range(0, len(rows), across)], 192 if across == 1 else 112)
+    if across > 1:
+        Image.open(options.out).quantize(128).save(options.out, optimize=True)
 
 
 def baselines(options):
@@ -144,6 +148,7 @@ def main():
     command(sizes, "truth", "small", "large", "out")
     made = command(results, "out")
     made.add_argument("--way", action="append", required=True)
+    made.add_argument("--across", type=int, default=1)
     made.add_argument("scenes", nargs="+", type=Path)
     made = command(baselines)
     made.add_argument("work", type=Path)

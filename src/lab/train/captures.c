@@ -19,14 +19,17 @@ enum { CAPTURES_MAX = 4096, EVERY = 4, STREAM = 77 };
 typedef struct Member {
     char name[256];
     bool held_out;
-    FfpCapture capture; // the photographs, made smaller; normalised
-    FfpCapture clean;   // the same without noise: views and lists are its own
+    int inputs;         // views that are photographs; a room's other views are its clean pictures
+    FfpCapture capture; // all views, made smaller; normalised
+    FfpCapture clean;   // the photographs without noise: views and lists are its own
     FfpCapture padded;  // of whole patches, for matching and the network; borrows from `clean`
     FfpImage *lists;    // of the noise filter
     int photographs[FFP_PHOTOGRAPHS];
 } Member;
 
 struct FfpCaptureSet {
+    const char *folder; // while it is read
+    bool rooms;
     int count, learnt; // members, and those that are not held out
     Member *members;
 };
@@ -44,25 +47,31 @@ static int by_name(const void *a, const void *b) {
     return strcmp(((const Member *)a)->name, ((const Member *)b)->name);
 }
 
-static bool list_captures(FfpCaptureSet *set, const char *folder, FfpError *err) {
+static bool list_captures(FfpCaptureSet *set, FfpError *err) {
+    const char *folder = set->folder;
     char json[FFP_PATH_MAX];
     set->members = ffp_alloc(CAPTURES_MAX, sizeof *set->members);
     FfpListing listing;
     if (!ffp_list_folder(&listing, folder))
-        return ffp_fail(err, FFP_ERROR_IO, folder, "cannot read the folder of captures: %s", strerror(errno));
+        return ffp_fail(err, FFP_ERROR_IO, folder, "cannot read the folder of %s: %s",
+                        set->rooms ? "rooms" : "captures", strerror(errno));
     for (int i = 0; i < listing.count; i++) {
         const char *name = listing.names[i];
         if (set->count < CAPTURES_MAX && strlen(name) < sizeof set->members->name && is_capture(folder, name))
             memcpy(set->members[set->count++].name, name, strlen(name) + 1);
     }
     ffp_free(listing.names);
-    if (set->count < 2 && ffp_join_path(json, folder, "scene.json") && ffp_is_file(json))
+    const int least = set->rooms ? 1 : 2;
+    if ((set->rooms || set->count < least) && ffp_join_path(json, folder, "scene.json") && ffp_is_file(json))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, folder,
-                        "is a capture: name the folder that holds it and at least another one");
-    if (set->count < 2)
+                        set->rooms ? "is a room: name the folder that holds it"
+                                   : "is a capture: name the folder that holds it and at least another one");
+    if (set->count < least)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, folder,
-                        "holds %d captures (folders with a scene.json): at least two are needed, one to "
-                        "learn from and one to hold out",
+                        set->rooms
+                            ? "holds no rooms (folders with a scene.json and targets/scene.json)"
+                            : "holds %d captures (folders with a scene.json): at least two are needed, "
+                              "one to learn from and one to hold out",
                         set->count);
     qsort(set->members, (size_t)set->count, sizeof *set->members, by_name);
     return true;
@@ -70,7 +79,9 @@ static bool list_captures(FfpCaptureSet *set, const char *folder, FfpError *err)
 
 static void hold_out(FfpCaptureSet *set) {
     for (int i = 0; i < set->count; i++) {
-        set->members[i].held_out = set->count < EVERY ? i == set->count - 1 : i % EVERY == EVERY - 1;
+        set->members[i].held_out = set->rooms           ? false
+                                   : set->count < EVERY ? i == set->count - 1
+                                                        : i % EVERY == EVERY - 1;
         set->learnt += !set->members[i].held_out;
     }
 }
@@ -114,9 +125,30 @@ static void reduce_views(FfpCapture *capture, int longest) {
     }
 }
 
-static bool read_photographs(Member *member, const FfpTrainConfig *config, const char *path, FfpError *err) {
+// Appends the clean pictures of a room.
+static bool read_targets(FfpCapture *capture, const char *path, FfpError *err) {
+    char json[FFP_PATH_MAX];
+    if (!ffp_join_path(json, path, "targets/scene.json"))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "the path is too long");
+    if (!ffp_is_file(json))
+        return ffp_fail(err, FFP_ERROR_FILE, json, "the room has no clean pictures to learn from");
+    FfpCapture targets;
+    if (!ffp_capture_read_targets(&targets, json, capture, err)) return false;
+    const char *why = targets.n_views > FFP_TRAIN_VIEWS_MAX    ? "holds too many views"
+                      : !seen_by_all(&targets, capture->black) ? "a view has no picture under black"
+                      : !seen_by_all(&targets, capture->white) ? "a view has no picture under white"
+                                                               : NULL;
+    if (!why) ffp_scene_append_views(capture, &targets);
+    ffp_capture_free(&targets);
+    return !why || ffp_fail(err, FFP_ERROR_FILE, ffp_place(json, "views").text, "%s", why);
+}
+
+static bool read_photographs(Member *member, const FfpTrainConfig *config, const char *path, bool room,
+                             FfpError *err) {
     FfpCapture *capture = &member->capture;
     if (!ffp_capture_read(capture, path, err)) return false;
+    member->inputs = capture->n_views;
+    if (room && !read_targets(capture, path, err)) return false;
     if (!keep_useful_patterns(capture, config->lollipops, err)) return false;
     if (capture->n_views == 1 && capture->n_patterns == 3)
         return ffp_fail(err, FFP_ERROR_FILE, path, "one view under one pattern leaves nothing to predict");
@@ -130,8 +162,9 @@ static void clean_photographs(Member *member, int patch) {
     const FfpCapture *capture = &member->capture;
     for (int i = 0; i < FFP_PHOTOGRAPHS; i++) member->photographs[i] = i;
     member->clean = *capture;
-    member->clean.views = ffp_alloc((size_t)capture->n_views, sizeof *member->clean.views);
-    memcpy(member->clean.views, capture->views, (size_t)capture->n_views * sizeof *capture->views);
+    member->clean.views = ffp_alloc((size_t)member->inputs, sizeof *member->clean.views);
+    member->clean.n_views = member->inputs;
+    memcpy(member->clean.views, capture->views, (size_t)member->inputs * sizeof *capture->views);
     const double noise = ffp_noise_estimate(&member->clean, member->photographs);
     if (noise > 0) member->lists = ffp_denoise(&member->clean, member->photographs, FFP_PHOTOGRAPHS, noise);
     member->padded = ffp_padded_capture(&member->clean, member->photographs, FFP_PHOTOGRAPHS, patch);
@@ -144,11 +177,12 @@ static void close_member(Member *member) {
     ffp_capture_free(&member->capture);
 }
 
-static bool open_member(Member *member, const FfpTrainConfig *config, FfpError *err) {
+static bool open_member(const FfpCaptureSet *set, Member *member, const FfpTrainConfig *config,
+                        FfpError *err) {
     char path[FFP_PATH_MAX];
-    if (!ffp_join_path(path, config->captures, member->name))
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, config->captures, "the path is too long");
-    if (!read_photographs(member, config, path, err)) return false;
+    if (!ffp_join_path(path, set->folder, member->name))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, set->folder, "the path is too long");
+    if (!read_photographs(member, config, path, set->rooms, err)) return false;
     clean_photographs(member, config->model.patch);
     return true;
 }
@@ -159,9 +193,12 @@ static double bytes_of(const Member *member) {
     const FfpCapture *capture = &member->capture;
     double values = 0;
     for (int v = 0; v < capture->n_views; v++) {
-        const FfpCamera *camera = &capture->views[v].camera, *padded = &member->padded.views[v].camera;
-        values += (double)camera->width * camera->height * (3 * (capture->n_patterns + FFP_PHOTOGRAPHS) + 1) +
-                  (double)padded->width * padded->height * (3 * FFP_PHOTOGRAPHS + 1);
+        const FfpCamera *camera = &capture->views[v].camera;
+        values += (double)camera->width * camera->height * (3 * (capture->n_patterns + FFP_PHOTOGRAPHS) + 1);
+    }
+    for (int v = 0; v < member->inputs; v++) {
+        const FfpCamera *padded = &member->padded.views[v].camera;
+        values += (double)padded->width * padded->height * (3 * FFP_PHOTOGRAPHS + 1);
     }
     for (int p = 0; p < capture->n_patterns; p++)
         values += 3.0 * capture->patterns[p].image.width * capture->patterns[p].image.height;
@@ -169,29 +206,38 @@ static double bytes_of(const Member *member) {
 }
 
 // Whether the captures that are still to be read will find room, if they are as large as those before.
-static bool check_room(const FfpCaptureSet *set, int read, const char *folder, FfpError *err) {
+static bool check_room(const FfpCaptureSet *set, int read, FfpError *err) {
     double bytes = 0;
     for (int i = 0; i < read; i++) bytes += bytes_of(&set->members[i]);
     const double needed = bytes / read * (set->count - read), left = ffp_memory_available();
     return left < 0 || needed <= left ||
-           ffp_fail(err, FFP_ERROR_MEMORY, folder,
+           ffp_fail(err, FFP_ERROR_MEMORY, set->folder,
                     "its %d captures take about %.1f GB: use fewer, or a smaller resolution", set->count,
                     (bytes + needed) / 1e9);
 }
 
-FfpCaptureSet *ffp_captures_open(const FfpTrainConfig *config, FfpError *err) {
+static FfpCaptureSet *open_set(const FfpTrainConfig *config, bool rooms, FfpError *err) {
     FfpCaptureSet *set = ffp_alloc(1, sizeof *set);
-    bool ok = list_captures(set, config->captures, err);
+    *set = (FfpCaptureSet){.folder = rooms ? config->rooms : config->captures, .rooms = rooms};
+    bool ok = list_captures(set, err);
     if (ok) hold_out(set);
-    const FfpTask task = ffp_task("reading captures", ok ? set->count : 0);
+    const FfpTask task = ffp_task(rooms ? "reading rooms" : "reading captures", ok ? set->count : 0);
     for (int i = 0; ok && i < set->count; i++) {
-        ok = open_member(&set->members[i], config, err) && check_room(set, i + 1, config->captures, err);
+        ok = open_member(set, &set->members[i], config, err) && check_room(set, i + 1, err);
         ffp_task_step(&task, i + 1, set->members[i].name);
     }
     ffp_task_end(&task);
     if (ok) return set;
     ffp_captures_close(set);
     return NULL;
+}
+
+FfpCaptureSet *ffp_captures_open(const FfpTrainConfig *config, FfpError *err) {
+    return open_set(config, false, err);
+}
+
+FfpCaptureSet *ffp_rooms_open(const FfpTrainConfig *config, FfpError *err) {
+    return open_set(config, true, err);
 }
 
 void ffp_captures_close(FfpCaptureSet *set) {
@@ -238,6 +284,16 @@ static bool make_scene(FfpScene *scene, const FfpTrainConfig *config, const Memb
     return ffp_scene_match(scene, config, &why) || ffp_fail(err, why.code, member->name, "%s", why.text);
 }
 
+// The member whose turn it is: all in turn, in an order of the seed.
+static const Member *member_in_turn(const FfpCaptureSet *set, uint64_t seed, uint64_t stream,
+                                    int64_t number) {
+    int order[CAPTURES_MAX];
+    FfpRng rng = ffp_rng(seed, stream + (uint64_t)(number / set->learnt));
+    for (int i = 0; i < set->learnt; i++) order[i] = i;
+    shuffle(order, set->learnt, &rng);
+    return member_of(set, false, order[number % set->learnt]);
+}
+
 // How many of so many views are to be predicted.
 static int left_out(int views) {
     return views < 2 ? 0 : views < EVERY ? 1 : views / EVERY;
@@ -245,12 +301,9 @@ static int left_out(int views) {
 
 bool ffp_captures_scene(FfpScene *scene, const FfpTrainConfig *config, const FfpCaptureSet *set,
                         int64_t number, FfpError *err) {
-    int order[CAPTURES_MAX], views[FFP_VIEWS_MAX];
-    FfpRng round = ffp_rng((uint64_t)config->seed, STREAM + (uint64_t)(number / set->learnt)),
-           rng = ffp_rng((uint64_t)config->seed * 3 + 2, (uint64_t)number);
-    for (int i = 0; i < set->learnt; i++) order[i] = i;
-    shuffle(order, set->learnt, &round);
-    const Member *member = member_of(set, false, order[number % set->learnt]);
+    int views[FFP_VIEWS_MAX];
+    FfpRng rng = ffp_rng((uint64_t)config->seed * 3 + 2, (uint64_t)number);
+    const Member *member = member_in_turn(set, (uint64_t)config->seed, STREAM, number);
     const int n = member->capture.n_views;
     for (int v = 0; v < n; v++) views[v] = v;
     shuffle(views, n, &rng);
@@ -268,4 +321,26 @@ bool ffp_captures_held_scene(FfpScene *scene, const FfpTrainConfig *config, cons
         if (v % step != step - 1 && inputs < config->views) views[inputs++] = v;
     for (int v = step - 1; v < n && targets < config->targets; v += step) views[inputs + targets++] = v;
     return make_scene(scene, config, member, views, inputs, inputs + targets, err);
+}
+
+// --- Rooms. ---
+
+bool ffp_is_room(const FfpTrainConfig *config, int64_t number) {
+    FfpRng rng = ffp_rng((uint64_t)config->seed * 3 + 2, (uint64_t)number ^ (1ULL << 61));
+    return ffp_rng_uniform(&rng) < config->room_share;
+}
+
+bool ffp_rooms_scene(FfpScene *scene, const FfpTrainConfig *config, const FfpCaptureSet *set, int64_t number,
+                     FfpError *err) {
+    int views[FFP_VIEWS_MAX + FFP_TRAIN_VIEWS_MAX] = {0};
+    const Member *member = member_in_turn(set, (uint64_t)config->seed, 1ULL << 40, number);
+    const int n = member->inputs, targets = member->capture.n_views - n,
+              inputs = ffp_smaller(n, config->views);
+    FfpRng rng = ffp_rng((uint64_t)config->seed * 3 + 2, (uint64_t)number);
+    for (int v = 0; v < n; v++) views[v] = v;
+    if (n > inputs) shuffle(views, n, &rng);
+    for (int v = 0; v < targets; v++) views[inputs + v] = n + v;
+    if (!make_scene(scene, config, member, views, inputs, inputs + targets, err)) return false;
+    scene->targets_only = true;
+    return true;
 }

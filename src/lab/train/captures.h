@@ -1,4 +1,5 @@
-// The user's own captures to learn from: photographs and calibrations, without ground truth.
+// Captures to learn from: the user's own, photographs and calibrations without ground truth; and rooms, of
+// whose photographs clean ones are known.
 #ifndef FFP_TRAIN_CAPTURES_H
 #define FFP_TRAIN_CAPTURES_H
 
@@ -26,6 +27,19 @@ bool ffp_captures_scene(FfpScene *scene, const FfpTrainConfig *config, const Ffp
 // A held-out capture: every fourth view is a new pose.
 bool ffp_captures_held_scene(FfpScene *scene, const FfpTrainConfig *config, const FfpCaptureSet *set,
                              int index, FfpError *err);
+
+// The rooms in the folder at config->rooms: captures as above, at least one, none held out. Each has clean
+// pictures in targets/scene.json, in the capture's frame, under black, white and the pattern to reconstruct
+// from at least, from any poses, those of the capture's views among them; patterns that one of them lacks are
+// left out. Errors name the room or its targets.
+FfpCaptureSet *ffp_rooms_open(const FfpTrainConfig *config, FfpError *err);
+// Whether scene `number` is a room: config->room_share of them are.
+bool ffp_is_room(const FfpTrainConfig *config, int64_t number);
+// The room of scene `number`: in turn, in an order of the seed. Up to config->views of its views, at random
+// if it has more, are the input; the new poses are all its clean pictures, and alone supervised. It borrows
+// from the set, and is a pure function of its arguments, for any number of threads.
+bool ffp_rooms_scene(FfpScene *scene, const FfpTrainConfig *config, const FfpCaptureSet *set, int64_t number,
+                     FfpError *err);
 
 // Mean PSNR on the held-out captures' photographs, each reconstructed without every fourth of its views: of
 // these views under all patterns, and of the others under patterns that were not given.

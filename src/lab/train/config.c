@@ -37,6 +37,8 @@ static const Field train_fields[] = {
     {"materials", TEXT, AT(materials), 0, sizeof(((FfpTrainConfig *)0)->materials)},
     {"pattern_share", DOUBLE, AT(pattern_share), 0, 1},
     {"patterns", TEXT, AT(patterns), 0, sizeof(((FfpTrainConfig *)0)->patterns)},
+    {"room_share", DOUBLE, AT(room_share), 0, 1},
+    {"rooms", TEXT, AT(rooms), 0, sizeof(((FfpTrainConfig *)0)->rooms)},
     {"views_least", INT, AT(views_least), 0, FFP_TRAIN_VIEWS_MAX},
     {"free_share", DOUBLE, AT(free_share), 0, 1},
     {"large_share", DOUBLE, AT(large_share), 0, 1},
@@ -119,6 +121,7 @@ FfpTrainConfig ffp_train_defaults(void) {
         .sensor_share = 0,
         .material_share = 0,
         .pattern_share = 0,
+        .room_share = 0,
         .views_least = 0,
         .free_share = 0,
         .large_share = 0,
@@ -264,7 +267,7 @@ static bool read_model(FfpModelConfig *model, const json_t *value, const char *w
     return ffp_model_config_check(model, where, err);
 }
 
-// A share of the scenes is made with pictures of a folder: both are given, or neither is.
+// A share of the scenes comes from a folder, or is made with its pictures: both are given, or neither is.
 static bool check_stock(const char *where, const char *share_name, double share, const char *folder_name,
                         const char *folder, FfpError *err) {
     return (share > 0) == (folder[0] != 0) ||
@@ -280,7 +283,8 @@ static bool check_mixture(const FfpTrainConfig *c, const char *where, FfpError *
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "large_resolution").text,
                         "must be a multiple of the patch, %d", c->model.patch);
     if (!check_stock(where, "material_share", c->material_share, "materials", c->materials, err) ||
-        !check_stock(where, "pattern_share", c->pattern_share, "patterns", c->patterns, err))
+        !check_stock(where, "pattern_share", c->pattern_share, "patterns", c->patterns, err) ||
+        !check_stock(where, "room_share", c->room_share, "rooms", c->rooms, err))
         return false;
     if (c->pattern_share > 0 && c->lollipops < 2)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "pattern_share").text,
@@ -291,6 +295,7 @@ static bool check_mixture(const FfpTrainConfig *c, const char *where, FfpError *
                         : c->sensor_share > 0   ? "sensor_share"
                         : c->material_share > 0 ? "material_share"
                         : c->pattern_share > 0  ? "pattern_share"
+                        : c->room_share > 0     ? "room_share"
                                                 : NULL;
     if (mixed && (c->scenes[0] || c->captures[0]))
         return ffp_fail(

@@ -82,8 +82,7 @@ const char *ffp_scene_folder_name(const FfpSceneFolder *folder, int64_t seed, in
 
 // --- One scene. ---
 
-// Moves the views of `more` behind those of `capture`, whose patterns are the first ones of `more`.
-static void append_views(FfpCapture *capture, FfpCapture *more) {
+void ffp_scene_append_views(FfpCapture *capture, FfpCapture *more) {
     const size_t n = (size_t)capture->n_views, m = (size_t)more->n_views;
     FfpView *views = ffp_alloc(n + m, sizeof *views);
     memcpy(views, capture->views, n * sizeof *views);
@@ -208,7 +207,7 @@ static bool read_targets(FfpCapture *capture, const FfpTrainConfig *config, cons
     const bool ok = check_part(&targets, &part, config, chosen, err);
     if (ok) {
         keep_views(&targets, config->targets);
-        append_views(capture, &targets);
+        ffp_scene_append_views(capture, &targets);
     }
     ffp_capture_free(&targets);
     return ok;

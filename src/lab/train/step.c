@@ -5,6 +5,7 @@
 #include <string.h>
 #include "core/base/arena.h"
 #include "core/base/device.h"
+#include "core/base/integer.h"
 #include "core/base/log.h"
 #include "core/base/rng.h"
 #include "core/base/vec.h"
@@ -232,8 +233,9 @@ static void supervise(FfpTrainStep *s, const FfpScene *scene, const FfpGaussians
                       FfpRng *rng, FfpLosses *losses) {
     const FfpTrainConfig *c = s->config;
     const int inputs = scene->inputs.n_views, targets = scene->capture.n_views - inputs;
-    const int drawn = c->supervised_inputs < inputs ? c->supervised_inputs : inputs;
-    const int novel = c->supervised_targets < targets ? c->supervised_targets : targets;
+    const int wanted = scene->targets_only ? 0 : c->supervised_inputs;
+    const int drawn = ffp_smaller(wanted, inputs);
+    const int novel = ffp_smaller(c->supervised_targets + c->supervised_inputs - wanted, targets);
     const int count = drawn + novel;
     int views[2 * FFP_TRAIN_VIEWS_MAX] = {0};
     draw(rng, 0, inputs, drawn, views);

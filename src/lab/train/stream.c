@@ -62,6 +62,8 @@ static bool make_scene(const void *context, int64_t draw, FfpScene *scene, FfpEr
     const int64_t number = ffp_scene_number(config, draw);
     const FfpSceneOrigin *from = &stream->origin;
     if (from->captures) return ffp_captures_scene(scene, config, from->captures, number, err);
+    if (from->rooms && ffp_is_room(config, number))
+        return ffp_rooms_scene(scene, config, from->rooms, number, err);
     return from->folder ? ffp_scene_read(scene, config, from->folder, number, err)
                         : ffp_scene_open(scene, config, from->stock, "train", number, err);
 }

@@ -33,9 +33,11 @@ typedef struct FfpTrainConfig {
     double material_share; // of the training scenes: their material is a picture of the folder `materials`
     double pattern_share; // likewise: all their lollipops but the first are pictures of the folder `patterns`
     char materials[FFP_PATH_MAX], patterns[FFP_PATH_MAX]; // world/synth/picture_folder.h; empty: none
-    int views_least;    // a training scene has views_least..views input views; 0: all have views
-    double free_share;  // of the training scenes: with a free rig
-    double large_share; // of the training scenes: at large_resolution instead
+    double room_share;        // of the training scenes: a room of the folder `rooms` instead (captures.h)
+    char rooms[FFP_PATH_MAX]; // empty: none
+    int views_least;          // a training scene has views_least..views input views; 0: all have views
+    double free_share;        // of the training scenes: with a free rig
+    double large_share;       // of the training scenes: at large_resolution instead
     int large_resolution;
     char captures[FFP_PATH_MAX]; // folder of your own captures to learn from instead (captures.h); empty:
                                  // none
@@ -46,7 +48,7 @@ typedef struct FfpTrainConfig {
     int queue;      // number of scenes made in advance
 
     // Supervision of a step: views drawn from the input views (all of a scene that has fewer) and from the
-    // new-pose views.
+    // new-pose views; of a room, as many from the latter alone.
     int supervised_inputs, supervised_targets;
     double polish_share; // of the steps supervise the prediction after a fit of polish_steps
     int polish_steps;
@@ -88,6 +90,7 @@ typedef struct FfpScene {
     FfpCapture inputs;  // the same memory seen with only the input views: do not free
     bool borrowed; // both borrow all but their lists of views (captures.h); inputs may differ in noise and
                    // padding
+    bool targets_only; // of the new poses alone there are clean pictures, and only they are supervised
     FfpInitialisation start;
     FfpPixelContext context; // of the configuration's model
     FfpSummed *patterns;     // [capture.n_patterns]
@@ -147,6 +150,7 @@ typedef struct FfpSceneOrigin {
     const FfpSceneFolder *folder;         // read; NULL: generated
     const struct FfpCaptureSet *captures; // or photographs of the user's; NULL: none
     const struct FfpStock *stock;         // of the pictures of generated ones; NULL: none
+    const struct FfpCaptureSet *rooms;    // for config->room_share of the generated ones; NULL: none
 } FfpSceneOrigin;
 // For the draws of a rank in the steps first..end-1, which must be asked for in turn. Nothing is begun any
 // more once *stop is true. All that is passed but `origin` itself must outlive the stream, also where the

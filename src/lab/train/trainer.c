@@ -93,7 +93,7 @@ static bool open_scenes(Trainer *trainer, int64_t stop_at, FfpError *err) {
     const int64_t first = trainer->adam.step;
     const int64_t end = stop_at > first && stop_at < config->steps ? stop_at : config->steps;
     const FfpSceneOrigin origin = {config->scenes[0] ? &trainer->folder : NULL, trainer->captures,
-                                   &trainer->stock};
+                                   &trainer->stock, trainer->rooms};
     trainer->scenes = ffp_stream_new(config, &origin, trainer->share.turn, first, end, &trainer->stop, err);
     return trainer->scenes != NULL;
 }

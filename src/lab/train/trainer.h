@@ -23,6 +23,7 @@ typedef struct Trainer {
     FfpStream *scenes;
     FfpShard share;            // among ranks
     FfpCaptureSet *captures;   // NULL: scenes are generated or read
+    FfpCaptureSet *rooms;      // for a share of the generated scenes; NULL: none
     double before, best;       // dB of the held-out captures, polished: with the first weights, with the best
     int64_t best_step, scored; // steps; scored: -1 before this run's first score
     // On a device, which steps are made on: the weights and scenes there. model and adam are then up to date

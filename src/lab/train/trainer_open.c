@@ -142,6 +142,7 @@ bool ffp_trainer_open(Trainer *trainer, const FfpTrainRun *options, FfpError *er
         !open_share(trainer, err))
         return false;
     if (trainer->config.captures[0] && !ffp_held_out_open(trainer, err)) return false;
+    if (trainer->config.rooms[0] && !(trainer->rooms = ffp_rooms_open(&trainer->config, err))) return false;
     if (ffp_trainer_is_first(trainer) && !open_metrics(trainer, options->resume, err)) return false;
     open_device(trainer);
     return true;
@@ -161,6 +162,7 @@ void ffp_trainer_close(Trainer *trainer) {
     ffp_scene_folder_close(&trainer->folder);
     ffp_stock_close(&trainer->stock);
     ffp_captures_close(trainer->captures);
+    ffp_captures_close(trainer->rooms);
     close_device(trainer);
     ffp_shard_close(&trainer->share);
     ffp_adam_free(&trainer->adam);

@@ -10,6 +10,7 @@ void ffp_scene_upload(FfpScene *there, const FfpScene *scene) {
     const size_t count = (size_t)ffp_prepared_count(scene->prepared);
     *there = (FfpScene){.capture = ffp_capture_uploaded(capture),
                         .active = scene->active,
+                        .targets_only = scene->targets_only,
                         .prepared = ffp_prepared_uploaded(scene->prepared),
                         .true_t = ffp_memory_uploaded(scene->true_t, count + 1, sizeof *scene->true_t)};
     there->patterns = ffp_alloc((size_t)capture->n_patterns, sizeof *there->patterns);

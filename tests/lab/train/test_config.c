@@ -43,6 +43,10 @@ static void test_bad_fields(void **state) {
     refused("{\"sensor_share\": 0.2, \"scenes\": \"made\"}", "c.json: sensor_share", "of a folder");
     refused("{\"material_share\": 0.2}", "c.json: materials", "names no folder");
     refused("{\"materials\": \"stock\"}", "c.json: materials", "material_share is 0");
+    refused("{\"room_share\": 0.2}", "c.json: rooms", "names no folder");
+    refused("{\"rooms\": \"made\"}", "c.json: rooms", "room_share is 0");
+    refused("{\"room_share\": 0.2, \"rooms\": \"made\", \"captures\": \"mine\"}", "c.json: room_share",
+            "of a folder");
     refused("{\"pattern_share\": 0.2}", "c.json: patterns", "names no folder");
     refused("{\"pattern_share\": 0.2, \"patterns\": \"stock\", \"lollipops\": 1}", "c.json: pattern_share",
             "no other");
