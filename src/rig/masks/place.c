@@ -257,9 +257,10 @@ static void keep_round(unsigned char *marks, const Sweep *s, const Places *place
 
 double ffp_place_above(unsigned char *marks, const FfpCapture *capture, const FfpEmptyStage *stage) {
     Sweep s = new_sweep(capture, stage);
-    Places places = {
-        ffp_alloc((size_t)s.pixels, sizeof *places.cost), ffp_alloc((size_t)s.pixels, sizeof *places.beyond),
-        ffp_alloc((size_t)s.pixels, sizeof *places.points), ffp_alloc((size_t)s.pixels, sizeof *places.z)};
+    Places places = {.cost = ffp_alloc((size_t)s.pixels, sizeof *places.cost),
+                     .beyond = ffp_alloc((size_t)s.pixels, sizeof *places.beyond),
+                     .z = ffp_alloc((size_t)s.pixels, sizeof *places.z),
+                     .points = ffp_alloc((size_t)s.pixels, sizeof *places.points)};
     double found = 0, covered = 0;
     if (s.n > 0) sweep(&s, &places);
     if (s.n > 0 && mark(marks, &s, &places)) {
