@@ -11,6 +11,7 @@
 #define SAME 2.0         // mean squared error of looks that are alike
 #define SHARE_LEAST 0.3  // of the views, which must share a look
 #define BRIGHTER 2.0     // times as much of white: the other look is a shadow
+#define SHADOWED 8.0     // likewise where two views alone show it
 #define LIT 10           // times the noise that white adds
 #define ABOVE_LEAST 0.02 // of the mean mask, which must stand above the platter
 #define SURE 0.02        // share of a Gaussian that must be known
@@ -75,6 +76,16 @@ static void take_mean(const Common *c, FfpEmptyStage *stage, int like, int share
     stage->known.data[pixel] = 1;
 }
 
+// Whether a look is much brighter than the stage is known to be at a pixel, which then is in shadow.
+static bool is_brighter(const Common *c, const FfpEmptyStage *stage, int like, ptrdiff_t pixel,
+                        ptrdiff_t at) {
+    const real *white = stage->images[c->capture->white].data + 3 * at,
+               *black = stage->images[c->capture->black].data + 3 * at;
+    double known = 0;
+    for (int i = 0; i < 3; i++) known += (double)(white[i] - black[i]) / 3;
+    return white_at(c->layers[like], pixel) > fmax(SHADOWED * known, LIT * c->noise);
+}
+
 // Whether a look under white goes on from the known stage around a pixel.
 static bool goes_on(const Common *c, const FfpEmptyStage *stage, int like, ptrdiff_t pixel) {
     const FfpImage *white = &stage->images[c->capture->white];
@@ -84,7 +95,7 @@ static bool goes_on(const Common *c, const FfpEmptyStage *stage, int like, ptrdi
         const int px = x + k % SIDE - SIDE / 2, py = y + k / SIDE - SIDE / 2;
         if (px < 0 || py < 0 || px >= white->width || py >= white->height) continue;
         const ptrdiff_t at = (ptrdiff_t)py * white->width + px;
-        if (!(stage->known.data[at] > 0)) continue;
+        if (!(stage->known.data[at] > 0) || is_brighter(c, stage, like, pixel, at)) continue;
         for (int i = 0; i < 3; i++) sum[i] += (double)white->data[3 * at + i];
         n++;
     }
@@ -96,6 +107,19 @@ static bool goes_on(const Common *c, const FfpEmptyStage *stage, int like, ptrdi
     return n >= AROUND_LEAST;
 }
 
+// The look that two views share where the stage is not known, or known in shadow alone; -1: none.
+static int candidate(const Common *c, const FfpEmptyStage *stage, ptrdiff_t pixel, int *shared) {
+    if (c->object && c->object[pixel]) return -1;
+    const int like = choose(c, pixel, 2, shared);
+    const bool known = stage->known.data[pixel] > 0;
+    return like >= 0 && known && !is_brighter(c, stage, like, pixel, pixel) ? -1 : like;
+}
+
+static void forget(FfpEmptyStage *stage, int n_patterns, ptrdiff_t pixel) {
+    for (int p = 0; p < n_patterns; p++)
+        for (int i = 0; stage->images[p].data && i < 3; i++) stage->images[p].data[3 * pixel + i] = 0;
+}
+
 // Pixels that only two views show alike are stage where they go on from it.
 static void grow(const Common *c, FfpEmptyStage *stage) {
     const ptrdiff_t pixels = (ptrdiff_t)stage->known.width * stage->known.height;
@@ -103,16 +127,16 @@ static void grow(const Common *c, FfpEmptyStage *stage) {
         *shared = ffp_alloc((size_t)pixels, sizeof *shared);
     unsigned char *found = ffp_alloc((size_t)pixels, 1);
 #pragma omp parallel for schedule(static)
-    for (ptrdiff_t i = 0; i < pixels; i++)
-        likes[i] = stage->known.data[i] > 0 || (c->object && c->object[i]) ? -1 : choose(c, i, 2, &shared[i]);
+    for (ptrdiff_t i = 0; i < pixels; i++) likes[i] = candidate(c, stage, i, &shared[i]);
     for (int added = 1, round = 0; added > 0 && round < ROUNDS; round++) {
         added = 0;
         ffp_cancel_point();
-        for (ptrdiff_t i = 0; i < pixels; i++)
-            found[i] = likes[i] >= 0 && !(stage->known.data[i] > 0) && goes_on(c, stage, likes[i], i);
+        for (ptrdiff_t i = 0; i < pixels; i++) found[i] = likes[i] >= 0 && goes_on(c, stage, likes[i], i);
         for (ptrdiff_t i = 0; i < pixels; i++) {
             if (!found[i]) continue;
+            forget(stage, c->capture->n_patterns, i);
             take_mean(c, stage, likes[i], shared[i], i);
+            likes[i] = -1;
             added++;
         }
     }
