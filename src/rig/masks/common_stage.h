@@ -16,7 +16,8 @@ typedef struct FfpCommon {
 bool ffp_common_stage(FfpEmptyStage *stage, FfpCommon *found, const FfpCapture *capture);
 // Finds *stage again, once there are masks made with it (coverage, 0 and 1), if part of what was taken for
 // the stage stands above the platter (ffp_place_above), 2 % of the mean mask at least: there the object looks
-// the same from all sides. The stage then is unknown there. False, and nothing is done, if there is less.
+// the same from all sides. Such pixels then count as the object. False, and nothing is done, if there is
+// less.
 bool ffp_common_stage_again(FfpEmptyStage *stage, const FfpCapture *capture);
 void ffp_common_stage_free(FfpEmptyStage *stage, int n_patterns);
 

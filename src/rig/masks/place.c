@@ -6,7 +6,6 @@
 #include "core/image/lookup.h"
 #include "rig/masks/layers.h"
 #include "rig/masks/local_mean.h"
-#include "rig/masks/mask.h"
 
 #define NEAREST 0.5        // of the camera's distance from the object, of depths that are tried
 #define FARTHEST 3.0       // of it
@@ -168,7 +167,7 @@ static double height_of(const Sweep *s, const Places *places, ptrdiff_t pixel) {
     return (s->view->camera.pose[9] > 0 ? -1 : 1) * (double)places->points[pixel][2];
 }
 
-// The height at which most marked pixels lie, or a greater one at which nearly as many do: a table around the
+// The greatest height at which half as many marked pixels lie as at the commonest one: a table around the
 // platter is seen as well. False where too few do.
 static bool find_platter(const Sweep *s, const Places *places, const unsigned char *marks, double *platter) {
     const double bin = BIN * (double)s->capture->radius;
