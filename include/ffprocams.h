@@ -24,7 +24,7 @@
 extern "C" {
 #endif
 
-FFP_API const char *ffp_version(void); // "0.2.0"
+FFP_API const char *ffp_version(void); // "0.3.0"
 
 // Checks that the environment variable FFPROCAMS_CPU (portable, avx2, avx512, avx512bf16 or amx; unset: the
 // best supported) names kernels that this processor can run. Without this check an invalid value is ignored
