@@ -315,10 +315,10 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
     Fit fit = fit_new(gaussians, capture, patterns, n_patterns, settings);
     *result = (FfpRefineResult){0};
     if (settings->measure) result->psnr_before = ffp_photo_loss_psnr(fit.viewer, gaussians);
-    fit.progress = progress_of(settings);
+    if (!settings->quiet) fit.progress = progress_of(settings);
     bool ok = true;
     while (ok && !over(&fit)) ok = one_round(&fit, err);
-    ffp_task_end(&fit.progress);
+    if (!settings->quiet) ffp_task_end(&fit.progress);
     if (ok) {
         take_mean(&fit);
         result->dropped = has_lost(&fit, gaussians);

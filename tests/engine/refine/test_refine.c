@@ -513,6 +513,38 @@ static void test_a_fit_that_loses_is_dropped(void **state) {
     free_capture(&capture);
 }
 
+typedef struct Quiet { // a fit, and how often it told of itself
+    FfpGaussians g;
+    FfpCapture capture;
+    int told;
+} Quiet;
+
+// It is also asked whether to go on, in the stage that the caller is in: none here.
+static bool count_telling(void *user, const FfpProgress *progress) {
+    ((Quiet *)user)->told += progress->stage != NULL;
+    return true;
+}
+
+static bool fit_quietly(void *argument, FfpError *err) {
+    Quiet *q = argument;
+    FfpRefineSettings settings = ffp_polish_defaults(8);
+    FfpRefineResult result;
+    settings.quiet = true;
+    return ffp_refine(&q->g, &q->capture, all_patterns, PATTERNS, &settings, &result, err);
+}
+
+// In training a fit is a part of a step, which has its own progress.
+static void test_a_quiet_fit_tells_nothing(void **state) {
+    (void)state;
+    Quiet q = {.g = disturbed(), .capture = ball_capture()};
+    FfpContext context = {.settings = {.user = &q, .progress = count_telling}};
+    FfpError err = {0};
+    assert_true(ffp_call_run(&context, fit_quietly, &q, &err));
+    assert_int_equal(q.told, 0);
+    ffp_gaussians_free(&q.g);
+    free_capture(&q.capture);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_fit_gains_on_seen_and_unseen_views),
@@ -528,6 +560,7 @@ int main(void) {
         cmocka_unit_test(test_numbers_go_there_and_back),
         cmocka_unit_test(test_neighbours_are_those_of_brute_force),
         cmocka_unit_test(test_a_fit_that_loses_is_dropped),
+        cmocka_unit_test(test_a_quiet_fit_tells_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
