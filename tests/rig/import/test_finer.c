@@ -103,7 +103,7 @@ static void photographs_hardly_wider_give_none(void **state) {
     assert_false(refined(1, 0));
 }
 
-// They were there when they were first read.
+// They existed when they were first read.
 static void photographs_that_cannot_be_read_again_leave_the_mask(void **state) {
     (void)state;
     take_photographs(TIMES);
