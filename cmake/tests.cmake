@@ -113,6 +113,11 @@ if(TARGET ffprocams_opencv AND FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
   set_tests_properties(simulated_rig PROPERTIES ENVIRONMENT "HEIGHT=180;WIDTH=96;ATTITUDES=6") # in a minute
 endif()
 
+# A room to learn from, the smallest.
+if(TARGET ffprocams_embree AND NOT FFPROCAMS_SANITIZE)
+  add_test(NAME training_rooms COMMAND ${PROJECT_SOURCE_DIR}/tests/lab/train/training_rooms.sh ${PROJECT_BINARY_DIR})
+endif()
+
 # A sanitized library asks all that link it for the sanitizers.
 if(FFPROCAMS_INSTALL AND NOT FFPROCAMS_SANITIZE)
   add_test(NAME install COMMAND ${PROJECT_SOURCE_DIR}/script/test-install ${PROJECT_BINARY_DIR})
@@ -128,7 +133,7 @@ function(ffp_label labels)
 endfunction()
 ffp_label(unit headers house links words)
 ffp_label(cli example_reconstruct example_roles example_relight example_progress example_cancel)
-ffp_label("cli;slow" readme simulated_rig studio_server)
+ffp_label("cli;slow" readme simulated_rig studio_server training_rooms)
 ffp_label("browser;slow" view_page studio_page)
 ffp_label("install;slow" install)
 

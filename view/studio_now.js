@@ -41,6 +41,18 @@ async function overBlack(canvas, path) {
 
 const ENLARGED = 4; // the difference that is shown
 
+// Degrees between the devices' poses before and after they were found again.
+async function turnedSince(object) {
+  const [before, after] = await Promise.all(['capture', 'aligned'].map(async (which) =>
+    JSON.parse(await textOf(`objects/${object.name}/now/${which}/scene.json`)).views[0]));
+  const between = (a, b) => {
+    let trace = 0;
+    for (let i = 0; i < 3; i++) for (let k = 0; k < 3; k++) trace += a[i][k] * b[i][k];
+    return Math.acos(Math.min(1, (trace - 1) / 2)) * 180 / Math.PI;
+  };
+  return {camera: between(before.c2w, after.c2w), projector: between(before.p2w, after.p2w)};
+}
+
 async function tellNow(state, object) {
   const {trial} = state.settings, id = trial.view.slice(5), name = trial.pattern === 'own' ? 'own' : patternName(trial.pattern);
   const folder = `objects/${object.name}/now/${object.aligned ? 'aligned' : 'capture'}`;
@@ -51,8 +63,8 @@ async function tellNow(state, object) {
   canvas.width = real.width, canvas.height = real.height;
   context.putImageData(apart, 0, 0);
   const {rows} = JSON.parse(await textOf(folder + '/scores.json')), row = rows.find(({protocol}) => protocol === 'rendering');
-  const found = object.aligned ? (await textOf('logs/register.txt')).match(/camera +rotated by ([\d.]+)[^]*projector +rotated by ([\d.]+)/) : null;
-  const what = found ? `devices found again: camera turned by ${Number(found[1]).toFixed(2)}\u00b0, projector by ${Number(found[2]).toFixed(2)}\u00b0` : `${Number(id)}\u00b0, ${name}${trial.turned ? `, table off by ${trial.turned}\u00b0` : ''}`;
+  const found = object.aligned ? await turnedSince(object) : null;
+  const what = found ? `devices found again: camera turned by ${found.camera.toFixed(2)}\u00b0, projector by ${found.projector.toFixed(2)}\u00b0` : `${Number(id)}\u00b0, ${name}${trial.turned ? `, table off by ${trial.turned}\u00b0` : ''}`;
   tried.push([what, row.psnr.toFixed(2), row.psnr_foreground.toFixed(2)]);
   $('now-scores').tBodies[0].replaceChildren(...tried.slice(-8).map((cells) => element('tr', {}, ...cells.map((text) => element('td', {textContent: text})))));
   $('now-report').href = `file/${folder}/report.html`;

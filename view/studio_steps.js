@@ -195,19 +195,28 @@ function drawBoard(state) {
 const told = {};
 const stamp = (state, name) => `${state.settings.object} ${state.job.name === name ? state.job.end + state.job.seconds : 'before'}`;
 
+// What the files of the calibration say of it: OpenCV's FileStorage, and the axis' JSON.
+async function calibrationFigures() {
+  const fit = new DOMParser().parseFromString(await textOf('calibration/calibration.xml'), 'text/xml').documentElement;
+  const own = (name) => [...fit.children].find((child) => child.tagName === name);
+  const value = (name) => Number(own(name).textContent).toFixed(3), count = (name) => own(name) ? own(name).children.length : 0;
+  const figures = [];
+  if (own('rms') && own('cam_rms') && own('proj_rms'))
+    figures.push(['attitudes used', `${count('attitudes')} of ${count('attitudes') + count('left_out')}`], ['error of all corners', `${value('rms')} pixels`],
+      ['camera alone, projector alone', `${value('cam_rms')}, ${value('proj_rms')} pixels`]);
+  const axis = studio.state.axis ? JSON.parse(await textOf('calibration/axis.json')) : {};
+  if (axis.tilt !== undefined) figures.push(['the turntable’s axis', `known to ${axis.tilt.toFixed(3)} degrees`]);
+  return figures;
+}
+
 async function tellCalibration(state) {
   told.calibrate = stamp(state, 'calibrate');
-  const log = await textOf('logs/calibrate.txt'), figures = [], says = [];
-  const rms = log.match(/: (\d+) of (\d+) attitudes, rms ([\d.]+) pixels \(camera alone ([\d.]+), projector alone ([\d.]+)\), (\d+) of (\d+) corners/);
-  if (rms) figures.push(['attitudes used', `${rms[1]} of ${rms[2]}`], ['error of all corners', `${rms[3]} pixels`],
-    ['camera alone, projector alone', `${rms[4]}, ${rms[5]} pixels`], ['corners left out', `${rms[6]} of ${rms[7]}`]);
-  const axis = log.match(/axis uncertainty ([\d.]+) degrees/);
-  if (axis) figures.push(['the turntable’s axis', `known to ${axis[1]} degrees`]);
+  const log = await textOf('logs/calibrate.txt'), figures = await calibrationFigures(), says = [];
   for (const line of log.split('\n')) {
     const warning = line.match(/^ffprocams: (?:warning: )(.*)/);
     if (warning) says.push(element('li', {className: 'doubt', textContent: warning[1]}));
   }
-  if (says.length === 0 && rms) says.push(element('li', {textContent: 'The photographs determine all terms.'}));
+  if (says.length === 0 && figures.length > 0) says.push(element('li', {textContent: 'The photographs determine all terms.'}));
   const fix = log.match(/calibrate again with ((?:--fix [a-z0-9.]+ ?)+)/);
   const held = log.includes('tried, and it holds');
   $('fix').hidden = !fix || !held;

@@ -5,6 +5,7 @@
 #include "core/base/memory.h"
 #include "engine/apply/choose.h"
 #include "engine/apply/view_maps.h"
+#include "engine/pipeline/elsewhere.h"
 #include "engine/pipeline/need.h"
 #include "engine/pipeline/relight.h"
 
@@ -135,6 +136,7 @@ int ffp_maps_run(const FfpGaussians *gaussians, const FfpCapture *capture, const
     bool ok = ffp_choose_views(&chosen, capture, options->poses, options->views, options->n_views, err) &&
               check_names(&chosen, options->folder, err) &&
               ffp_output_open_folder(&writer.folder, options->folder, false, err);
+    if (ok) ffp_note_elsewhere(gaussians, capture);
     for (int v = 0; ok && v < chosen.n_views; v++)
         ok = check_memory(gaussians, chosen.views[v], options->drawing, err);
     for (int v = 0; ok && v < chosen.n_views; v++) {

@@ -6,6 +6,7 @@
 #include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/file.h"
+#include "core/base/integer.h"
 #include "core/base/log.h"
 #include "core/base/memory.h"
 #include "core/image/film.h"
@@ -63,11 +64,16 @@ static bool check_names(const FfpPictureJob *job, FfpError *err) {
 
 // --- Writing them. ---
 
+enum { TOGETHER = 8 }; // patterns at most, under which a large view is drawn at once
+
 typedef struct Writer {
     const FfpPictureJob *job;
     const FfpGaussians *gaussians;
     FfpViewPass *pass;
     int written;
+    const FfpView *drawn; // last; and of a large one
+    int first;            // the pictures under the patterns from here on
+    FfpImage pictures[TOGETHER];
 } Writer;
 
 static bool write_picture(Writer *writer, const FfpView *view, const FfpImage *picture, const char *rest,
@@ -94,10 +100,6 @@ static bool write_maps(Writer *writer, const FfpView *view, FfpError *err) {
     return ok;
 }
 
-static void draw(Writer *writer, const FfpView *view) {
-    ffp_view_pass_draw(writer->pass, writer->gaussians, &view->camera, &view->projector);
-}
-
 // What was drawn last, under a pattern.
 static FfpImage relit(const Writer *writer, int pattern) {
     FfpSummed summed = ffp_summed_new(&writer->job->patterns[pattern].image);
@@ -108,69 +110,98 @@ static FfpImage relit(const Writer *writer, int pattern) {
 
 // --- In strips. ---
 
-static bool is_large(const FfpView *view) {
-    return ffp_strip_rows(&view->camera) < view->camera.height;
+static bool is_in_strips(const FfpPictureJob *job, const FfpView *view) {
+    return ffp_strip_rows(&view->camera) < view->camera.height && !job->options->maps;
 }
 
-// The same as draw and relit.
-static FfpImage draw_in_strips(const Writer *writer, const FfpView *view, int pattern) {
+static double picture_bytes(const Writer *writer, const FfpView *view, int samples, int pictures) {
+    const double pixels = (double)view->camera.width * view->camera.height;
+    const double at_once =
+        is_in_strips(writer->job, view) ? (double)ffp_strip_rows(&view->camera) * view->camera.width : pixels;
+    return PICTURE_BYTES * pixels * pictures +
+           ffp_drawing_bytes((double)writer->gaussians->count, at_once, samples);
+}
+
+// How many patterns from `first` on a large view is drawn under together: in an orbit it has one of them.
+static int count_together(const Writer *writer, const FfpView *view, int first) {
     const FfpPictureJob *job = writer->job;
+    const int samples = ffp_drawing_settings(job->options->drawing, NULL).samples;
+    FfpError none;
+    int count = job->options->orbit != FFP_ORBIT_NONE ? 1 : ffp_smaller(TOGETHER, job->n_patterns - first);
+    while (count > 1 && !ffp_memory_suffices(picture_bytes(writer, view, samples, count), "", "", "", &none))
+        count--;
+    return count;
+}
+
+// The same as relit.
+static void draw_strips(Writer *writer, const FfpView *view, int first) {
     const FfpCamera *whole = &view->camera;
-    const int rows = ffp_strip_rows(whole);
-    FfpSummed summed = ffp_summed_new(&job->patterns[pattern].image);
-    FfpImage picture = ffp_image_new(whole->width, whole->height, 3);
+    const int rows = ffp_strip_rows(whole), count = count_together(writer, view, first);
     FfpGbuffer shadow = {0};
+    for (int p = 0; p < count; p++) {
+        ffp_image_free(&writer->pictures[p]);
+        writer->pictures[p] = ffp_image_new(whole->width, whole->height, 3);
+    }
     ffp_view_pass_keep_shadow(writer->pass, &shadow);
     for (int top = 0; top < whole->height; top += rows) {
         const FfpCamera strip = ffp_strip_of(whole, top, rows);
-        ffp_view_pass_draw(writer->pass, writer->gaussians, &strip, &view->projector);
-        FfpImage part = ffp_relight(writer->pass, job->intensity, &summed);
         const size_t row = 3 * (size_t)whole->width;
-        memcpy(picture.data + (size_t)top * row, part.data, (size_t)part.height * row * sizeof *part.data);
-        ffp_image_free(&part);
+        ffp_view_pass_draw(writer->pass, writer->gaussians, &strip, &view->projector);
+        for (int p = 0; p < count; p++) {
+            FfpImage part = relit(writer, first + p);
+            memcpy(writer->pictures[p].data + (size_t)top * row, part.data,
+                   (size_t)part.height * row * sizeof *part.data);
+            ffp_image_free(&part);
+        }
     }
     ffp_view_pass_keep_shadow(writer->pass, NULL);
     ffp_gbuffer_free(&shadow);
-    ffp_summed_free(&summed);
+    writer->first = first;
+}
+
+// A view under a pattern, drawn if the last one was another.
+static FfpImage picture_of(Writer *writer, const FfpView *view, int pattern) {
+    const bool strips = is_in_strips(writer->job, view), other = writer->drawn != view;
+    writer->drawn = view;
+    if (!strips) {
+        if (other) ffp_view_pass_draw(writer->pass, writer->gaussians, &view->camera, &view->projector);
+        return relit(writer, pattern);
+    }
+    if (other || pattern < writer->first || pattern >= writer->first + TOGETHER ||
+        !writer->pictures[pattern - writer->first].data)
+        draw_strips(writer, view, pattern);
+    FfpImage *held = &writer->pictures[pattern - writer->first], picture = *held;
+    *held = (FfpImage){0};
     return picture;
 }
 
 // Before the work: that the largest picture fits into memory.
-static bool check_memory(const FfpPictureJob *job, const FfpGaussians *gaussians, int samples,
-                         FfpError *err) {
+static bool check_memory(const Writer *writer, int samples, FfpError *err) {
     double most = 0;
-    for (int v = 0; v < job->n_views; v++) {
-        const FfpView *view = ffp_picture_view(job, v);
-        const double pixels = (double)view->camera.width * view->camera.height;
-        const bool strips = is_large(view) && !job->options->maps;
-        const double at_once = strips ? (double)ffp_strip_rows(&view->camera) * view->camera.width : pixels;
-        most = fmax(most,
-                    PICTURE_BYTES * pixels + ffp_drawing_bytes((double)gaussians->count, at_once, samples));
-    }
+    for (int v = 0; v < writer->job->n_views; v++)
+        most = fmax(most, picture_bytes(writer, ffp_picture_view(writer->job, v), samples, 1));
     return ffp_memory_suffices(most, "pictures of this size", "make them smaller", "width", err);
 }
 
 static bool write_view(Writer *writer, const FfpView *view, FfpError *err) {
     const FfpPictureJob *job = writer->job;
-    const bool strips = is_large(view) && !job->options->maps;
     bool ok = true;
-    if (!strips) draw(writer, view);
     for (int p = 0; ok && p < job->n_patterns; p++) {
         char rest[FFP_NAME_MAX + 8];
         snprintf(rest, sizeof rest, "%s.png", job->patterns[p].name);
-        FfpImage picture = strips ? draw_in_strips(writer, view, p) : relit(writer, p);
+        FfpImage picture = picture_of(writer, view, p);
         ok = write_picture(writer, view, &picture, rest, err);
         ffp_image_free(&picture);
     }
     return ok && (!job->options->maps || write_maps(writer, view, err));
 }
 
-// One frame under one pattern, numbered; the view is drawn already unless it is large.
+// One frame under one pattern, numbered.
 static bool write_frame(Writer *writer, const FfpView *view, int pattern, FfpFilm *film, FfpError *err) {
     const FfpPictures *options = writer->job->options;
     char name[32], path[FFP_PATH_MAX];
     snprintf(name, sizeof name, "%04d.png", writer->written);
-    FfpImage picture = is_large(view) ? draw_in_strips(writer, view, pattern) : relit(writer, pattern);
+    FfpImage picture = picture_of(writer, view, pattern);
     const bool ok = ffp_picture_path(path, sizeof path, options->folder, "frame", name, err) &&
                     ffp_image_write_png(&picture, path, err) &&
                     (!options->video || ffp_film_add(film, &picture, err));
@@ -190,9 +221,7 @@ static bool write_sequence(Writer *writer, FfpError *err) {
     FfpTask progress = ffp_task("rendering", frames);
     for (int f = 0; ok && f < frames; f++) {
         const int pattern = orbit ? (int)((int64_t)f * job->n_patterns / frames) : f % job->n_patterns;
-        const FfpView *view = ffp_picture_view(job, f / each);
-        if (f % each == 0 && !is_large(view)) draw(writer, view);
-        ok = write_frame(writer, view, pattern, &film, err);
+        ok = write_frame(writer, ffp_picture_view(job, f / each), pattern, &film, err);
         ffp_task_step(&progress, f + 1, NULL);
     }
     ffp_task_end(&progress);
@@ -231,11 +260,12 @@ int ffp_pictures_run(const FfpGaussians *gaussians, const FfpCapture *capture, c
     char mark[FFP_PATH_MAX];
     const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
     bool ok = ffp_picture_job_new(&job, gaussians, capture, options, err) && check_names(&job, err) &&
-              check_memory(&job, gaussians, settings.samples, err) && mark_folder(mark, options->folder, err);
+              check_memory(&writer, settings.samples, err) && mark_folder(mark, options->folder, err);
     if (ok) {
         writer.pass = ffp_view_pass_new(&settings);
         ok = (ffp_is_sequence(options) ? write_sequence : write_views)(&writer, err);
         ffp_view_pass_free(writer.pass);
+        for (int p = 0; p < TOGETHER; p++) ffp_image_free(&writer.pictures[p]);
         if (ok) remove(mark);
     }
     ffp_picture_job_free(&job);

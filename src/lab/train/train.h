@@ -89,7 +89,7 @@ typedef struct FfpScene {
     FfpCapture capture; // input views first, then the new-pose views
     FfpCapture inputs;  // the same memory seen with only the input views: do not free
     bool borrowed; // both borrow all but their lists of views (captures.h); inputs may differ in noise and
-                   // padding
+                   // padding. On a device (mirror.h) each has its own pictures
     bool targets_only; // of the new poses alone there are clean pictures, and only they are supervised
     FfpInitialisation start;
     FfpPixelContext context; // of the configuration's model

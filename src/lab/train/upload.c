@@ -9,6 +9,7 @@ void ffp_scene_upload(FfpScene *there, const FfpScene *scene) {
     const FfpCapture *capture = &scene->capture;
     const size_t count = (size_t)ffp_prepared_count(scene->prepared);
     *there = (FfpScene){.capture = ffp_capture_uploaded(capture),
+                        .borrowed = scene->borrowed,
                         .active = scene->active,
                         .targets_only = scene->targets_only,
                         .prepared = ffp_prepared_uploaded(scene->prepared),
@@ -16,7 +17,8 @@ void ffp_scene_upload(FfpScene *there, const FfpScene *scene) {
     there->patterns = ffp_alloc((size_t)capture->n_patterns, sizeof *there->patterns);
     for (int p = 0; p < capture->n_patterns; p++)
         there->patterns[p] = ffp_summed_uploaded(&scene->patterns[p]);
-    there->inputs = there->capture;
+    // A borrowed scene's inputs are pictures of their own: filtered, and padded.
+    there->inputs = scene->borrowed ? ffp_capture_uploaded(&scene->inputs) : there->capture;
     there->inputs.n_views = scene->inputs.n_views;
 }
 
@@ -24,6 +26,7 @@ void ffp_scene_upload_free(FfpScene *there) {
     if (!there->prepared) return;
     for (int p = 0; p < there->capture.n_patterns; p++) ffp_summed_free(&there->patterns[p]);
     ffp_free(there->patterns);
+    if (there->borrowed) ffp_capture_free(&there->inputs);
     ffp_capture_free(&there->capture);
     ffp_memory_free(there->true_t);
     ffp_prepared_free(there->prepared);

@@ -159,3 +159,9 @@ json_t *ffp_studio_read_json(const FfpStudio *studio, const char *path) {
     close(file);
     return value;
 }
+
+void ffp_studio_changed(FfpStudio *studio) {
+    studio->version++;
+    json_decref(studio->listed);
+    studio->listed = NULL;
+}

@@ -184,7 +184,7 @@ static void listen_to(FfpStudio *studio, FfpStudioJob *job, int terminal) {
         for (ssize_t i = 0; i < got; i++) hear(job, &t, bytes[i]);
         t.line[t.length] = 0;
         read_progress(job, t.line); // a line of progress has no end
-        studio->version++;
+        studio->version++;          // of nothing in the folder
         pthread_mutex_unlock(&studio->lock);
     }
     close(terminal);
@@ -201,7 +201,7 @@ static bool run_command(FfpStudio *studio, FfpStudioJob *job) {
         free(typed);
     }
     const int terminal = job->commands[job->current].failed ? -1 : start_command(studio, job);
-    studio->version++;
+    ffp_studio_changed(studio);
     if (terminal < 0) {
         add_line(job, "the command cannot be started");
         return false;
@@ -233,7 +233,7 @@ static void *run_job(void *argument) {
     snprintf(path, sizeof path, "logs/%s.txt", job->name);
     if (!ffp_studio_write(studio, path, job->log, job->logged))
         snprintf(studio->notice, sizeof studio->notice, "%s cannot be written: %s", path, strerror(errno));
-    studio->version++;
+    ffp_studio_changed(studio);
     pthread_mutex_unlock(&studio->lock);
     return NULL;
 }
@@ -248,7 +248,7 @@ bool ffp_studio_start(FfpStudio *studio, FfpStudioJob *job, const char *name) {
     job->began = now(), job->seconds = 0, job->stage[0] = 0;
     job->joinable = pthread_create(&job->thread, NULL, run_job, argument) == 0;
     if (!job->joinable) free(argument), job->end = FFP_JOB_FAILED;
-    studio->version++;
+    ffp_studio_changed(studio);
     return job->joinable;
 }
 

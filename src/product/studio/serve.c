@@ -172,6 +172,7 @@ static enum MHD_Result answer_get(Server *server, struct MHD_Connection *connect
         return answer_text(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
     const char *known = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "known");
     pthread_mutex_lock(&studio->lock);
+    if (!known) ffp_studio_changed(studio); // a page that begins
     const bool same = known && strtoull(known, NULL, 10) == studio->version;
     json_t *state = same ? json_object() : ffp_studio_state(studio);
     pthread_mutex_unlock(&studio->lock);

@@ -61,7 +61,7 @@ bool ffp_studio_store(FfpStudio *studio, const char *name, int number, const voi
         json_object_del(studio->settings, "active");
         if (!ffp_studio_save(studio, said)) return false;
     }
-    studio->version++;
+    ffp_studio_changed(studio);
     return true;
 }
 
@@ -71,7 +71,7 @@ bool ffp_studio_show(FfpStudio *studio, const char *name, int number, char said[
     FfpStudioSet set;
     if (!ffp_studio_due(studio, name, number, &set, said)) return false;
     studio->shown = number;
-    studio->version++;
+    ffp_studio_changed(studio);
     return true;
 }
 
@@ -84,7 +84,7 @@ static bool is_photograph(const char *file) {
 
 static void leave_file(FfpStudio *studio, const char *file, const char *why) {
     snprintf(studio->notice, sizeof studio->notice, "%.120s: %.250s", file, why);
-    studio->version++;
+    ffp_studio_changed(studio);
 }
 
 static void take_file(FfpStudio *studio, const char *folder, const char *file) {
@@ -124,7 +124,7 @@ static void lose_watch(FfpStudio *studio, const char *folder) {
     studio->watch = -1;
     snprintf(studio->notice, sizeof studio->notice,
              "The folder %.300s is gone: make it again, or name another (step 1).", folder);
-    studio->version++;
+    ffp_studio_changed(studio);
 }
 
 void ffp_studio_arrived(FfpStudio *studio) {

@@ -36,7 +36,7 @@ static json_t *new_settings(bool virtual_rig) {
 bool ffp_studio_save(FfpStudio *studio, char said[FFP_STUDIO_SAID]) {
     char *text = json_dumps(studio->settings, JSON_INDENT(1) | JSON_REAL_PRECISION(12));
     const bool ok = text && ffp_studio_write(studio, "studio.json", text, strlen(text));
-    studio->version++;
+    ffp_studio_changed(studio);
     free(text);
     return ok ||
            ffp_studio_say(said, "studio.json cannot be written: %s", text ? strerror(errno) : "no memory");
@@ -172,7 +172,16 @@ static json_t *patterns_state(const FfpStudio *studio) {
     return patterns;
 }
 
-json_t *ffp_studio_state(const FfpStudio *studio) {
+// What takes long to look up where there are many objects.
+static json_t *listed_state(const FfpStudio *studio) {
+    return json_pack("{s:o, s:o, s:o, s:b, s:b, s:b}", "patterns", patterns_state(studio), "sets",
+                     sets_state(studio, NULL), "objects", objects_state(studio), "calibrated",
+                     ffp_studio_exists(studio, "calibration/calibration.xml"), "axis",
+                     ffp_studio_exists(studio, "calibration/axis.json"), "photographed",
+                     ffp_studio_photographed(studio));
+}
+
+json_t *ffp_studio_state(FfpStudio *studio) {
     FfpStudioSet set;
     json_t *settings = json_deep_copy(studio->settings), *active = json_null();
     const char *name = ffp_studio_setting(studio, "active", NULL);
@@ -183,13 +192,14 @@ json_t *ffp_studio_state(const FfpStudio *studio) {
         json_object_set_new(active, "shown", json_boolean(studio->shown >= 0));
     }
     json_object_del(settings, "simulator");
-    return json_pack("{s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:b, s:b, s:o}", "version",
-                     (json_int_t)studio->version, "folder", text(studio->folder, strlen(studio->folder)),
-                     "settings", settings, "patterns", patterns_state(studio), "sets",
-                     sets_state(studio, NULL), "objects", objects_state(studio), "active", active, "job",
-                     job_state(&studio->job), "camera", job_state(&studio->camera), "eye",
-                     job_state(&studio->eye), "calibrated",
-                     ffp_studio_exists(studio, "calibration/calibration.xml"), "axis",
-                     ffp_studio_exists(studio, "calibration/axis.json"), "photographed",
-                     ffp_studio_photographed(studio), "notice", text(studio->notice, strlen(studio->notice)));
+    if (!studio->listed) studio->listed = listed_state(studio);
+    json_t *state =
+        json_pack("{s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "version", (json_int_t)studio->version,
+                  "folder", text(studio->folder, strlen(studio->folder)), "settings", settings, "active",
+                  active, "job", job_state(&studio->job), "camera", job_state(&studio->camera), "eye",
+                  job_state(&studio->eye), "notice", text(studio->notice, strlen(studio->notice)));
+    json_t *listed = json_deep_copy(studio->listed);
+    json_object_update(state, listed);
+    json_decref(listed);
+    return state;
 }

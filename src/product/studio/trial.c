@@ -60,7 +60,7 @@ bool ffp_studio_store_own(FfpStudio *studio, const void *bytes, size_t size, cha
     snprintf(path, sizeof path, "objects/%.60s/own.png", object);
     if (!ffp_studio_write(studio, path, bytes, size))
         return ffp_studio_say(said, "%s cannot be written: %s", path, strerror(errno));
-    studio->version++;
+    ffp_studio_changed(studio);
     return true;
 }
 

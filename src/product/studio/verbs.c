@@ -209,7 +209,7 @@ static bool run(FfpStudio *studio, const json_t *request, char *said) {
 static bool cancel(FfpStudio *studio, const json_t *request, char *said) {
     (void)request, (void)said;
     ffp_studio_stop(&studio->job);
-    studio->version++;
+    ffp_studio_changed(studio);
     return true;
 }
 

@@ -68,6 +68,7 @@ typedef struct FfpStudio {
     pthread_mutex_t lock; // of all that follows
     json_t *settings;     // studio.json
     uint64_t version;     // of what the page is told; grows with every change
+    json_t *listed;       // the folder's sets and objects as they are told; NULL: to be looked up again
     char notice[FFP_STUDIO_SAID];
     int shown; // number of the shot whose pattern is on the projector, where a camera fills a folder; -1:
                // none
@@ -101,6 +102,10 @@ int ffp_studio_list(const FfpStudio *studio, const char *folder, char **names, i
 void ffp_studio_free_names(char **names, int count);
 json_t *ffp_studio_read_json(const FfpStudio *studio,
                              const char *path); // NULL: none, or none that can be read
+
+// Something beside a job's progress has changed: the page is told, and what is in the folder is looked up
+// again. With the lock.
+void ffp_studio_changed(FfpStudio *studio);
 
 // --- Sets of photographs (sets.c). ---
 
@@ -160,7 +165,7 @@ bool ffp_studio_picture(const unsigned char *bytes, size_t size, int *width, int
 
 bool ffp_studio_load(FfpStudio *studio, bool virtual_rig, char said[FFP_STUDIO_SAID]);
 bool ffp_studio_save(FfpStudio *studio, char said[FFP_STUDIO_SAID]);
-json_t *ffp_studio_state(const FfpStudio *studio);
+json_t *ffp_studio_state(FfpStudio *studio);
 // {"verb": ...}; false: why not.
 bool ffp_studio_do(FfpStudio *studio, const json_t *request, char said[FFP_STUDIO_SAID]);
 // `import` with all that holds for every capture of an object, but for its photographs and its folder.

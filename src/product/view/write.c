@@ -1,5 +1,6 @@
 #include "product/view/write.h"
 #include "core/base/log.h"
+#include "engine/pipeline/elsewhere.h"
 #include "engine/pipeline/relight.h"
 #include "product/view/view.h"
 
@@ -8,6 +9,7 @@ bool ffp_page_run(const FfpGaussians *gaussians, const FfpCapture *capture, cons
     FfpCapture poses;
     FfpPageCounts counts;
     if (options->poses && !ffp_capture_read_targets(&poses, options->poses, capture, err)) return false;
+    ffp_note_elsewhere(gaussians, capture);
     const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
     const FfpPageContent source = {gaussians, capture, options->poses ? &poses : NULL, &settings,
                                    options->photographs};

@@ -7,6 +7,7 @@
 #include "core/base/text.h"
 #include "core/numerics/rank.h"
 #include "rig/checks/slip.h"
+#include "rig/checks/suspect_parts.h"
 #include "rig/masks/chord.h"
 
 #define LIT 0.02F
@@ -426,6 +427,25 @@ static bool try_other_sizes(const Page *page, const FfpCapture *capture, int act
     return true;
 }
 
+// --- Cameras that mirror their pictures. ---
+
+static const char *const ways[3] = {"left to right", "upside down", "both ways"};
+
+// Tells which way all photographs are mirrored, if that explains them better than a mirrored pattern, or what
+// else there is, with `error`: seen from above the projector, the two look the same.
+static bool try_mirrored_back(const Page *page, const FfpCapture *capture, int active, double error) {
+    const double across = ffp_rig_error_mirrored_back(capture, active, FFP_RIG_MIRRORED),
+                 down = ffp_rig_error_mirrored_back(capture, active, FFP_RIG_FLIPPED);
+    const double least = down < across ? down : across;
+    if (!(least < FITS * error)) return false;
+    fprintf(
+        page->out,
+        "       -> it fits when the photographs are mirrored %s (%.3f): the camera's program shows them as "
+        "in a mirror; switch that off, or mirror the files, and import again\n",
+        ways[down < across], least);
+    return true;
+}
+
 static void advise_odd_view(const Page *page, const FfpCapture *capture, const FfpExplanation *found) {
     fputs("       -> view ", page->out);
     ffp_put_plain(page->out, capture->views[found->odd].id);
@@ -441,7 +461,6 @@ static void advise_odd_view(const Page *page, const FfpCapture *capture, const F
 }
 
 static void check_pattern(Page *page, const FfpCapture *capture, const Light *light) {
-    static const char *const ways[3] = {"left to right", "upside down", "both ways"};
     const int active = ffp_capture_active_pattern(capture, NULL, NULL);
     const FfpExplanation found = active >= 0 ? ffp_rig_explain(capture, active) : (FfpExplanation){0};
     if (found.pixels == 0) {
@@ -452,7 +471,7 @@ static void check_pattern(Page *page, const FfpCapture *capture, const Light *li
     int mirror = 0;
     for (int k = 1; k < 3; k++) mirror = found.mirrored[k] < found.mirrored[mirror] ? k : mirror;
     const bool mirrored = found.mirrored[mirror] < FITS * found.error;
-    const bool moved = !mirrored && found.best < 0.85 * found.error;
+    const bool moved = !mirrored && found.best < 0.85 * found.error && found.best < CHANCE_MAX * found.chance;
     const bool spoilt = found.odd >= 0 && found.odd_across == 0; // the others fit
     const bool nothing = !mirrored && !moved && !spoilt && found.error > CHANCE_MAX * found.chance;
     const bool odd = !mirrored && !moved && !nothing && found.odd >= 0;
@@ -460,9 +479,13 @@ static void check_pattern(Page *page, const FfpCapture *capture, const Light *li
          "'%s' explains the pictures with error %.3f; chance gives %.3f (%d pixels)",
          capture->patterns[active].name, found.error, found.chance, found.pixels);
     if ((mirrored || moved || nothing) && try_other_sizes(page, capture, active, light, &found)) return;
+    const double enough = fmin(fmin(found.error, found.mirrored[mirror]), CHANCE_MAX * found.chance);
+    if ((mirrored || moved || nothing || odd) && try_mirrored_back(page, capture, active, enough)) return;
     if (mirrored)
         fprintf(page->out,
-                "       -> it fits when mirrored %s (%.3f): the projector or the file is mirrored\n",
+                "       -> it fits when mirrored %s (%.3f): the projector, the pattern's file or all "
+                "photographs are "
+                "mirrored; import again without that\n",
                 ways[mirror], found.mirrored[mirror]);
     if (moved)
         fprintf(page->out,

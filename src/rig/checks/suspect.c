@@ -65,37 +65,19 @@ static bool check_devices(const FfpCapture *capture, FfpError *err) {
 
 // --- Silhouettes under a hypothesis: their misfit, or INFINITY as soon as it is not below `enough`. ---
 
-// Mishaps of one view's photographs.
-typedef enum Mishap { TURNED_HALF, TURNED_LEFT, TURNED_RIGHT, MIRRORED, FLIPPED, MISHAPS } Mishap;
-static const char *const mishaps[MISHAPS] = {[TURNED_HALF] = "turned by 180 degrees",
-                                             [TURNED_LEFT] = "turned by 90 degrees to the left",
-                                             [TURNED_RIGHT] = "turned by 90 degrees to the right",
-                                             [MIRRORED] = "mirrored left to right",
-                                             [FLIPPED] = "mirrored upside down"};
+static const char *const mishaps[FFP_RIG_MISHAPS] = {
+    [FFP_RIG_TURNED_HALF] = "turned by 180 degrees",
+    [FFP_RIG_TURNED_LEFT] = "turned by 90 degrees to the left",
+    [FFP_RIG_TURNED_RIGHT] = "turned by 90 degrees to the right",
+    [FFP_RIG_MIRRORED] = "mirrored left to right",
+    [FFP_RIG_FLIPPED] = "mirrored upside down"};
 
-// The picture with the mishap undone.
-static FfpImage undone(const FfpImage *image, Mishap mishap) {
-    const int w = image->width, h = image->height, n = image->channels;
-    FfpImage out = ffp_image_new(w, h, n);
-    for (int y = 0; y < h; y++)
-        for (int x = 0; x < w; x++) {
-            const int from[MISHAPS][2] = {[TURNED_HALF] = {w - 1 - x, h - 1 - y},
-                                          [TURNED_LEFT] = {y, w - 1 - x},
-                                          [TURNED_RIGHT] = {h - 1 - y, x},
-                                          [MIRRORED] = {w - 1 - x, y},
-                                          [FLIPPED] = {x, h - 1 - y}};
-            memcpy(out.data + n * ((ptrdiff_t)y * w + x),
-                   image->data + n * ((ptrdiff_t)from[mishap][1] * w + from[mishap][0]),
-                   (size_t)n * sizeof *out.data);
-        }
-    return out;
-}
-
-static double misfit_undone(const FfpCapture *capture, int view, Mishap mishap, double enough) {
+static double misfit_undone(const FfpCapture *capture, int view, FfpRigMishap mishap, double enough) {
     const FfpImage *mask = &capture->views[view].coverage;
-    if ((mishap == TURNED_LEFT || mishap == TURNED_RIGHT) && mask->width != mask->height) return INFINITY;
+    if ((mishap == FFP_RIG_TURNED_LEFT || mishap == FFP_RIG_TURNED_RIGHT) && mask->width != mask->height)
+        return INFINITY;
     FfpCapture alias = ffp_rig_alias(capture);
-    alias.views[view].coverage = undone(mask, mishap);
+    alias.views[view].coverage = ffp_rig_undone(mask, mishap);
     const double misfit = ffp_rig_misfit_below(&alias, enough);
     ffp_image_free(&alias.views[view].coverage);
     ffp_free(alias.views);
@@ -148,7 +130,7 @@ static double misfit_of_size(const FfpCapture *capture, real factor, double enou
 
 // Whether structured light explains the view as well or better once the mishap is undone: of objects that are
 // nearly symmetric, silhouettes alone would accept a mirrored view for a wrong mask.
-static bool light_agrees(const FfpCapture *capture, int odd, Mishap mishap) {
+static bool light_agrees(const FfpCapture *capture, int odd, FfpRigMishap mishap) {
     const FfpView *view = &capture->views[odd];
     const int active = ffp_capture_active_pattern(capture, NULL, NULL);
     const int shown[3] = {capture->black, capture->white, active};
@@ -158,8 +140,8 @@ static bool light_agrees(const FfpCapture *capture, int odd, Mishap mishap) {
         ffp_rig_guess(capture, view, &(FfpGuess){.photograph = &view->images[active], .pattern = &pattern});
     FfpView mended = *view;
     mended.images = ffp_alloc((size_t)capture->n_patterns, sizeof *mended.images);
-    for (int k = 0; k < 3; k++) mended.images[shown[k]] = undone(&view->images[shown[k]], mishap);
-    mended.coverage = undone(&view->coverage, mishap);
+    for (int k = 0; k < 3; k++) mended.images[shown[k]] = ffp_rig_undone(&view->images[shown[k]], mishap);
+    mended.coverage = ffp_rig_undone(&view->coverage, mishap);
     const double after = ffp_rig_guess(
         capture, &mended, &(FfpGuess){.photograph = &mended.images[active], .pattern = &pattern});
     ffp_image_free(&mended.coverage);
@@ -172,8 +154,8 @@ static bool light_agrees(const FfpCapture *capture, int odd, Mishap mishap) {
 // Fails if a mishap of this view explains it.
 static bool try_mishaps(const FfpCapture *capture, int view, double enough, FfpError *err) {
     double least = INFINITY;
-    Mishap best = TURNED_HALF;
-    for (Mishap m = TURNED_HALF; m < MISHAPS; m++) {
+    FfpRigMishap best = FFP_RIG_TURNED_HALF;
+    for (FfpRigMishap m = FFP_RIG_TURNED_HALF; m < FFP_RIG_MISHAPS; m++) {
         const double misfit = misfit_undone(capture, view, m, enough);
         if (misfit < least) {
             least = misfit;
@@ -219,12 +201,24 @@ static bool try_exchanges(const FfpCapture *capture, const FfpSilhouettes *found
         capture->views[b].id);
 }
 
+// Photographs in the opposite direction round the object are as photographs in a mirror, but for structured
+// light.
+static bool are_all_mirrored(const FfpCapture *capture) {
+    int agree = 0;
+    if (ffp_capture_active_pattern(capture, NULL, NULL) < 0) return false;
+    for (int v = 0; v < capture->n_views; v++) agree += light_agrees(capture, v, FFP_RIG_MIRRORED);
+    return 2 * agree > capture->n_views;
+}
+
 static bool try_reversal(const FfpCapture *capture, double enough, FfpError *err) {
-    return !(misfit_reversed(capture, enough) < enough) ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
-                    "the views fit in the opposite order: the turntable turned the other way, change the "
-                    "sign of its "
-                    "angles");
+    if (!(misfit_reversed(capture, enough) < enough)) return true;
+    return are_all_mirrored(capture)
+               ? ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder, FFP_RIG_ALL_MIRRORED, "left to right")
+               : ffp_fail(
+                     err, FFP_ERROR_ARGUMENT, capture->folder,
+                     "the views fit in the opposite order: the turntable turned the other way, change the "
+                     "sign of its "
+                     "angles");
 }
 
 // Whether structured light explains the views clearly better with the cameras' intrinsics of that size: masks

@@ -8,7 +8,9 @@
 #define WELL 0.06     // error of colours that are looked up rightly, at most: no more questions then
 #define EXPLAINED 0.7 // of what chance explains: less is an explanation
 #define BETTER 0.6    // of the error as it is: what explains so much better is right
-#define ODD 2         // times the others' median: a view that disagrees
+#define CLEARLY                                                                                              \
+    0.8       // of the error of a mirrored pattern: photographs that are mirrored explain so much better
+#define ODD 2 // times the others' median: a view that disagrees
 #define THIRDS 4
 
 // Root mean square over all views of a guess at the photographs under `active`.
@@ -23,6 +25,29 @@ static double error_of(const FfpCapture *capture, int active, FfpGuess guess) {
         n++;
     }
     return n > 0 ? sqrt(sum / n) : NAN;
+}
+
+double ffp_rig_error_mirrored_back(const FfpCapture *capture, int active, FfpRigMishap mishap) {
+    const int shown[3] = {capture->black, capture->white, active};
+    FfpSummed pattern = ffp_summed_new(&capture->patterns[active].image);
+    FfpCapture alias = ffp_rig_alias(capture);
+    for (int v = 0; v < alias.n_views; v++) {
+        FfpView *view = &alias.views[v];
+        const FfpImage *taken = view->images;
+        view->images = ffp_alloc((size_t)alias.n_patterns, sizeof *view->images);
+        for (int k = 0; k < 3; k++) view->images[shown[k]] = ffp_rig_undone(&taken[shown[k]], mishap);
+        view->coverage = ffp_rig_undone(&view->coverage, mishap);
+    }
+    const double error = error_of(&alias, active, (FfpGuess){.pattern = &pattern});
+    for (int v = 0; v < alias.n_views; v++) {
+        FfpView *view = &alias.views[v];
+        for (int k = 0; k < 3; k++) ffp_image_free(&view->images[shown[k]]);
+        ffp_free(view->images);
+        ffp_image_free(&view->coverage);
+    }
+    ffp_free(alias.views);
+    ffp_summed_free(&pattern);
+    return error;
 }
 
 // The least of four places where the pattern certainly is not.
@@ -92,12 +117,21 @@ static bool try_all_views(const FfpCapture *capture, int active, const FfpSummed
     static const char *const ways[4] = {NULL, "left to right", "upside down", "both ways"};
     const char *name = capture->patterns[active].name;
     const FfpCamera *p = &capture->views[0].projector;
-    for (int mirror = 1; mirror < 4; mirror++)
-        if (error_of(capture, active, (FfpGuess){.pattern = pattern, .mirror = mirror}) < enough)
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
-                            "the photographs under %s fit when it is mirrored %s: the projector mirrors its "
-                            "picture, or the file is mirrored",
-                            name, ways[mirror]);
+    double least = enough;
+    int mirrored = 0;
+    for (int mirror = 1; mirror < 4; mirror++) {
+        const double error = error_of(capture, active, (FfpGuess){.pattern = pattern, .mirror = mirror});
+        if (error < least) least = error, mirrored = mirror;
+    }
+    for (int down = 0; down < 2; down++)
+        if (ffp_rig_error_mirrored_back(capture, active, down ? FFP_RIG_FLIPPED : FFP_RIG_MIRRORED) <
+            CLEARLY * least)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder, FFP_RIG_ALL_MIRRORED, ways[1 + down]);
+    if (mirrored > 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
+                        "the photographs under %s fit when it is mirrored %s: the projector mirrors its "
+                        "picture, or the pattern's file or all photographs are mirrored",
+                        name, ways[mirrored]);
     if (error_of(capture, active, (FfpGuess){.pattern = pattern, .reversed = true}) < enough)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
                         "the photographs under %s fit with red and blue exchanged: the photographs or the "

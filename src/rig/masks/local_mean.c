@@ -23,19 +23,30 @@ static int held(int at, int n) {
     return at < 0 ? 0 : at >= n ? n - 1 : at;
 }
 
-// Along rows (down false) or columns.
+static void add_row(real *restrict to, const real *restrict from, real weight, int count) {
+    for (int i = 0; i < count; i++) to[i] += weight * from[i];
+}
+
+// A row moved by k pixels, its ends repeated.
+static void add_moved(real *to, const real *from, real weight, int k, int w, int n) {
+    const int first = held(-k, w + 1), last = held(w - k, w + 1);
+    for (int x = 0; x < first; x++) add_row(to + (ptrdiff_t)x * n, from, weight, n);
+    if (first < last)
+        add_row(to + (ptrdiff_t)first * n, from + (ptrdiff_t)(first + k) * n, weight, (last - first) * n);
+    for (int x = last > first ? last : first; x < w; x++)
+        add_row(to + (ptrdiff_t)x * n, from + (ptrdiff_t)(w - 1) * n, weight, n);
+}
+
+// Along rows (down false) or columns. Whole rows at a time, so that pixels are added side by side.
 static FfpImage pass(const FfpImage *image, const Kernel *kernel, bool down) {
     const int w = image->width, h = image->height, n = image->channels;
     FfpImage out = ffp_image_new(w, h, n);
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < h; y++)
-        for (int x = 0; x < w; x++) {
-            real *to = out.data + ((ptrdiff_t)y * w + x) * n;
-            for (int k = -kernel->radius; k <= kernel->radius; k++) {
-                const int px = down ? x : held(x + k, w), py = down ? held(y + k, h) : y;
-                const real *from = image->data + ((ptrdiff_t)py * w + px) * n;
-                for (int c = 0; c < n; c++) to[c] += kernel->weights[k + kernel->radius] * from[c];
-            }
+        for (int k = -kernel->radius; k <= kernel->radius; k++) {
+            const real weight = kernel->weights[k + kernel->radius],
+                       *from = image->data + (ptrdiff_t)(down ? held(y + k, h) : y) * w * n;
+            add_moved(out.data + (ptrdiff_t)y * w * n, from, weight, down ? 0 : k, w, n);
         }
     return out;
 }

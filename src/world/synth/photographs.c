@@ -3,19 +3,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "core/base/call.h"
-#include "core/base/file.h"
-#include "core/base/log.h"
 #include "core/base/rigid.h"
-#include "world/synth/bare_rig.h"
 #include "world/synth/pattern_folder.h"
+#include "world/synth/photographing.h"
 #include "world/synth/sensor.h"
-#include "world/synth/simulate.h"
-
-// One set of rays serves a batch of patterns, eight of them or as many as ROOM holds: four bytes of each for
-// every colour of their and the pictures' pixels are in memory at a time.
-enum { BATCH_LEAST = 8, BATCH_MOST = 64, HEIGHT_MIN = 64 };
-#define ROOM 128e6 // bytes
 
 typedef enum Wanted { WANTED_ALL, WANTED_CAPTURE, WANTED_CODES, WANTED_WHITE } Wanted;
 
@@ -44,18 +35,8 @@ typedef struct Job {
     int n_subjects;
     Subject *subjects;
     const char *folder; // being written
-    FfpTask progress;
-    int64_t done;
+    FfpPhotographing run;
 } Job;
-
-// --- Patterns. ---
-
-static bool is_wanted(const FfpNumbered *pattern, Wanted wanted) {
-    const char *name = pattern->name;
-    if (wanted == WANTED_ALL || strcmp(name, "white") == 0) return true;
-    if (wanted == WANTED_CAPTURE) return strncmp(name, "gray_", 5) != 0;
-    return wanted == WANTED_CODES && (strcmp(name, "black") == 0 || strncmp(name, "gray_", 5) == 0);
-}
 
 // --- Subjects. ---
 
@@ -123,51 +104,47 @@ static void free_subjects(Job *job) {
 
 // --- Pictures. ---
 
-typedef struct Shot {
-    Job *job;
-    const Subject *subject;
-    FfpView *view;
-    int first;
-    bool failed;
-    FfpError *err; // of the first that failed
-} Shot;
-
-static bool write_photograph(const Shot *shot, int index, FfpError *err) {
-    char name[64], path[FFP_PATH_MAX];
-    const int stop = shot->subject->stop, number = stop >= 0 ? stop : shot->job->patterns.list[index].number;
-    snprintf(name, sizeof name, "%s/%0*d.png", shot->subject->name, stop >= 0 ? 2 : 3, number);
-    if (!ffp_join_path(path, shot->job->folder, name))
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, shot->job->folder, "the path is too long");
-    FfpImage *image = &shot->view->images[index - shot->first];
-    ffp_image_to_srgb(image);
-    return ffp_image_write_png(image, path, err);
+static const char *name_of(const void *argument, int subject) {
+    const Job *job = argument;
+    return job->subjects[subject].name;
 }
 
-static void develop(void *argument, int64_t index) {
-    Shot *shot = argument;
-    const int pattern = shot->first + (int)index;
-    FfpError error = {0};
-    if (!is_wanted(&shot->job->patterns.list[pattern], shot->subject->wanted)) return;
-    const bool ok = write_photograph(shot, pattern, &error);
-#pragma omp critical(ffp_photographs_books)
-    {
-        if (!ok && !shot->failed && shot->err) *shot->err = error;
-        shot->failed |= !ok;
-        shot->job->done += ok;
-    }
+static bool is_wanted(const void *argument, int subject, int pattern) {
+    const Job *job = argument;
+    const Wanted wanted = job->subjects[subject].wanted;
+    const char *name = job->patterns.list[pattern].name;
+    if (wanted == WANTED_ALL || strcmp(name, "white") == 0) return true;
+    if (wanted == WANTED_CAPTURE) return strncmp(name, "gray_", 5) != 0;
+    return wanted == WANTED_CODES && (strcmp(name, "black") == 0 || strncmp(name, "gray_", 5) == 0);
+}
+
+static bool emit(const void *argument, int pattern, FfpImage *emitted, FfpError *err) {
+    const Job *job = argument;
+    return ffp_pattern_folder_emit(&job->patterns, pattern, &job->spec->sensor, emitted, err);
+}
+
+static bool write_photograph(const void *argument, int index, int pattern, FfpImage *image, FfpError *err) {
+    const Job *job = argument;
+    const Subject *subject = &job->subjects[index];
+    char name[64], path[FFP_PATH_MAX];
+    const int stop = subject->stop, number = stop >= 0 ? stop : job->patterns.list[pattern].number;
+    snprintf(name, sizeof name, "%s/%0*d.png", subject->name, stop >= 0 ? 2 : 3, number);
+    if (!ffp_photographing_path(job->folder, name, path, err)) return false;
+    ffp_image_to_srgb(image);
+    return ffp_image_write_png(image, path, err);
 }
 
 // What of the pixels the object fills, as somebody who cuts it out by hand would have it.
 static bool write_mask(const Job *job, const Subject *subject, const FfpView *view, FfpError *err) {
     char name[64], path[FFP_PATH_MAX];
     snprintf(name, sizeof name, "masks/%s.png", subject->name);
-    return ffp_join_path(path, job->folder, name)
-               ? ffp_image_write_png(&view->coverage, path, err)
-               : ffp_fail(err, FFP_ERROR_ARGUMENT, job->folder, "the path is too long");
+    return ffp_photographing_path(job->folder, name, path, err) &&
+           ffp_image_write_png(&view->coverage, path, err);
 }
 
 // Nothing stands before the rig, and nothing is around it: the dark, and the camera's noise.
-static bool photograph_nothing(Job *job, const Subject *subject, int first, int count, FfpError *err) {
+static bool photograph_nothing(const Job *job, int index, int first, int count, FfpError *err) {
+    const Subject *subject = &job->subjects[index];
     FfpView view = {.camera = job->rig.camera};
     view.images = ffp_alloc((size_t)count, sizeof *view.images);
     for (int i = 0; i < count; i++) {
@@ -175,15 +152,16 @@ static bool photograph_nothing(Job *job, const Subject *subject, int first, int 
         const uint32_t key = subject->stream * FFP_PATTERNS_MAX + (uint32_t)(first + i);
         ffp_sensor_expose(&view.images[i], &job->spec->sensor, key ^ (uint32_t)job->spec->seed);
     }
-    Shot shot = {job, subject, &view, first, false, err};
-    ffp_parallel_for(count, 0, develop, &shot);
+    const bool ok = ffp_photographing_develop(&job->run, index, &view, first, count, err);
     ffp_view_free(&view, count);
-    ffp_task_step(&job->progress, job->done, subject->name);
-    return !shot.failed;
+    return ok;
 }
 
 // The subject under the patterns of a batch.
-static bool photograph(Job *job, const Subject *subject, const FfpLight *light, int first, FfpError *err) {
+static bool photograph(void *argument, int index, const FfpLight *light, int first, FfpError *err) {
+    const Job *job = argument;
+    const Subject *subject = &job->subjects[index];
+    if (!subject->mesh) return photograph_nothing(job, index, first, light->n_patterns, err);
     const FfpSceneSpec *spec = job->spec;
     const float gain = exp2f(spec->sensor.exposure), intensity = gain * job->rig.intensity;
     const bool is_board = subject->wanted != WANTED_ALL;
@@ -207,70 +185,27 @@ static bool photograph(Job *job, const Subject *subject, const FfpLight *light, 
     FfpView view = {0};
     ffp_bare_rig_devices(&job->rig, subject->angle, &view.camera, &view.projector);
     ffp_simulate_view(&simulation, &view, subject->stream, NULL);
-    Shot shot = {job, subject, &view, first, false, err};
-    ffp_parallel_for(light->n_patterns, 0, develop, &shot);
-    if (first == 0 && !is_board && !shot.failed) shot.failed = !write_mask(job, subject, &view, err);
+    const bool ok = ffp_photographing_develop(&job->run, index, &view, first, light->n_patterns, err) &&
+                    (first > 0 || is_board || write_mask(job, subject, &view, err));
     ffp_view_free(&view, light->n_patterns);
-    ffp_task_step(&job->progress, job->done, subject->name);
-    return !shot.failed;
-}
-
-static bool wants_any(const Job *job, const Subject *subject, int first, int count) {
-    for (int i = first; i < first + count; i++)
-        if (is_wanted(&job->patterns.list[i], subject->wanted)) return true;
-    return false;
-}
-
-static bool photograph_batch(Job *job, int first, int count, FfpError *err) {
-    FfpImage emitted[BATCH_MOST] = {0};
-    const FfpImage *images[BATCH_MOST];
-    bool ok = true;
-    for (int i = 0; ok && i < count; i++) {
-        ok = ffp_pattern_folder_emit(&job->patterns, first + i, &job->spec->sensor, &emitted[i], err);
-        images[i] = &emitted[i];
-    }
-    if (ok) {
-        FfpLight light = ffp_light_new(images, count);
-        for (int s = 0; ok && s < job->n_subjects; s++)
-            if (wants_any(job, &job->subjects[s], first, count))
-                ok = job->subjects[s].mesh ? photograph(job, &job->subjects[s], &light, first, err)
-                                           : photograph_nothing(job, &job->subjects[s], first, count, err);
-        ffp_light_free(&light);
-    }
-    for (int i = 0; i < count; i++) ffp_image_free(&emitted[i]);
     return ok;
-}
-
-static int batch_of(const Job *job) {
-    const FfpCamera *devices[2] = {&job->rig.camera, &job->rig.projector};
-    double bytes = 0;
-    for (int k = 0; k < 2; k++) bytes += 12.0 * devices[k]->width * devices[k]->height;
-    return (int)fmax(BATCH_LEAST, fmin(BATCH_MOST, ROOM / bytes));
 }
 
 static bool photograph_all(Job *job, FfpError *err) {
-    int64_t count = 0;
     char path[FFP_PATH_MAX];
-    if (!ffp_join_path(path, job->folder, "masks") || !ffp_make_folders(path, err)) return false;
-    for (int s = 0; s < job->n_subjects; s++) {
-        if (!ffp_join_path(path, job->folder, job->subjects[s].name))
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, job->folder, "the path is too long");
-        if (!ffp_make_folders(path, err)) return false;
-        for (int p = 0; p < job->patterns.count; p++)
-            count += is_wanted(&job->patterns.list[p], job->subjects[s].wanted);
-    }
-    job->progress = ffp_task("photographing", count);
-    bool ok = true;
-    const int batch = batch_of(job);
-    for (int first = 0; ok && first < job->patterns.count; first += batch) {
-        const int left = job->patterns.count - first;
-        ok = photograph_batch(job, first, left < batch ? left : batch, err);
-    }
-    ffp_task_end(&job->progress);
-    if (ok)
+    if (!ffp_photographing_path(job->folder, "masks", path, err) || !ffp_make_folders(path, err))
+        return false;
+    for (int s = 0; s < job->n_subjects; s++)
+        if (!ffp_photographing_path(job->folder, job->subjects[s].name, path, err) ||
+            !ffp_make_folders(path, err))
+            return false;
+    job->run = (FfpPhotographing){job,       &job->rig, job->patterns.count, job->n_subjects, name_of,
+                                  is_wanted, emit,      photograph,          write_photograph};
+    const int64_t count = ffp_photographing_run(&job->run, err);
+    if (count >= 0)
         ffp_note("%s: %lld photographs of %s", job->options->folder, (long long)count,
                  job->options->attitudes > 0 ? "the object and of the chessboard" : "the object");
-    return ok;
+    return count >= 0;
 }
 
 // --- What is true. ---
@@ -340,9 +275,8 @@ static void print_board(FILE *f, const Job *job, const Subject *subject, const c
 static bool write_truth(const Job *job, FfpError *err) {
     char path[FFP_PATH_MAX];
     FfpOutput out;
-    if (!ffp_join_path(path, job->folder, "truth.json"))
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, job->folder, "the path is too long");
-    if (!ffp_output_open(&out, path, err)) return false;
+    if (!ffp_photographing_path(job->folder, "truth.json", path, err) || !ffp_output_open(&out, path, err))
+        return false;
     FILE *f = out.stream;
     fputs("{\n", f);
     print_device(f, "cam_", &job->rig.camera, job->rig.camera_lens);
@@ -366,17 +300,6 @@ static bool write_truth(const Job *job, FfpError *err) {
 
 // --- All of it. ---
 
-static bool check(const FfpPhotographs *options, const FfpSceneSpec *spec, FfpError *err) {
-    if (spec->sensor.turn_error > 0 || spec->sensor.shift_error > 0)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor",
-                        "turn_error and shift_error are of written poses: photographs have none");
-    if (spec->resolution < HEIGHT_MIN || spec->resolution > 4096)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "resolution", "%d is not in %d..4096", spec->resolution,
-                        HEIGHT_MIN);
-    return (options->attitudes >= 0 && options->attitudes <= 64) ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, "attitudes", "%d are not in 0..64", options->attitudes);
-}
-
 static bool write_folder(Job *job, FfpError *err) {
     FfpOutput folder;
     if (!ffp_capture_probe(job->options->folder, err) ||
@@ -391,7 +314,8 @@ static bool write_folder(Job *job, FfpError *err) {
 
 bool ffp_photographs_write(const FfpPhotographs *options, const FfpSceneSpec *spec, FfpError *err) {
     Job job = {.options = options, .spec = spec, .material = ffp_material_make(spec->material, spec->seed)};
-    if (!check(options, spec, err) || !ffp_pattern_folder_open(&job.patterns, options->patterns, err))
+    if (!ffp_photographing_check(spec, options->attitudes, err) ||
+        !ffp_pattern_folder_open(&job.patterns, options->patterns, err))
         return false;
     FfpMesh made = {0};
     if (!spec->own_mesh) made = ffp_mesh_make(spec->mesh);

@@ -3,20 +3,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "core/base/call.h"
-#include "core/base/file.h"
-#include "core/base/log.h"
 #include "world/shapes/noise.h"
 #include "world/synth/natural.h"
 #include "world/synth/pattern_folder.h"
+#include "world/synth/photographing.h"
 #include "world/synth/room.h"
 #include "world/synth/room_truth.h"
 #include "world/synth/sensor.h"
-#include "world/synth/simulate.h"
 
-// One set of rays serves a batch of patterns, as in photographs.c.
-enum { BATCH_LEAST = 8, BATCH_MOST = 64, HEIGHT_MIN = 64, NAME = 256 };
-#define MEMORY 128e6 // bytes of a batch's pictures
+enum { NAME = 256 };
 
 typedef enum Kind { KIND_STOP, KIND_BETWEEN, KIND_EMPTY, KIND_ATTITUDE, KIND_TURNTABLE } Kind;
 
@@ -47,13 +42,11 @@ typedef struct Job {
     Sent *sent;
     Subject *subjects;
     const char *folder; // being written
-    FfpTask progress;
-    int64_t done;
+    FfpPhotographing run;
 } Job;
 
 static bool path_in(const Job *job, const char *name, char path[FFP_PATH_MAX], FfpError *err) {
-    return ffp_join_path(path, job->folder, name) ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, job->folder, "the path is too long");
+    return ffp_photographing_path(job->folder, name, path, err);
 }
 
 static bool make_folder(const Job *job, const char *name, FfpError *err) {
@@ -150,7 +143,7 @@ static bool is_board(const Subject *subject) {
 }
 
 // Which patterns a subject is photographed under.
-static bool is_wanted(const Sent *sent, const Subject *subject) {
+static bool suits(const Sent *sent, const Subject *subject) {
     const bool series = *series_of(sent->name), gray = strncmp(sent->name, "gray_", 5) == 0;
     switch (subject->kind) {
     case KIND_STOP:
@@ -239,27 +232,17 @@ static bool has_truth(const Subject *subject, const Sent *sent) {
     return (subject->kind == KIND_STOP || subject->kind == KIND_BETWEEN) && !*series_of(sent->name);
 }
 
-typedef struct Shot {
-    Job *job;
-    const Subject *subject;
-    FfpView *view;
-    int first;
-    bool failed;
-    FfpError *err; // of the first that failed
-} Shot;
-
 // What the light of a picture makes of its noise; no two pictures of a room have the same.
-static uint32_t key_of(const Shot *shot, int pattern) {
-    const uint64_t seed = shot->job->options->seed;
-    const uint32_t subject = (uint32_t)(shot->subject - shot->job->subjects);
+static uint32_t key_of(uint64_t seed, int subject, int pattern) {
     return ffp_hash32((uint32_t)seed ^ ffp_hash32((uint32_t)(seed >> 32) ^
-                                                  ffp_hash32(subject * 4096 + (uint32_t)pattern + 1)));
+                                                  ffp_hash32((uint32_t)(subject * 4096 + pattern + 1))));
 }
 
-static bool write_truth(const Shot *shot, const Sent *sent, const FfpImage *light, FfpError *err) {
+static bool write_truth(const Job *job, const Subject *subject, const Sent *sent, const FfpImage *light,
+                        FfpError *err) {
     char name[NAME + 64], path[FFP_PATH_MAX];
-    snprintf(name, sizeof name, "truth/%s/%s.png", shot->subject->name, sent->name);
-    if (!path_in(shot->job, name, path, err)) return false;
+    snprintf(name, sizeof name, "truth/%s/%s.png", subject->name, sent->name);
+    if (!path_in(job, name, path, err)) return false;
     FfpImage seen = ffp_image_copy(light);
     ffp_image_to_srgb(&seen);
     const bool ok = ffp_image_write_png(&seen, path, err);
@@ -267,33 +250,19 @@ static bool write_truth(const Shot *shot, const Sent *sent, const FfpImage *ligh
     return ok;
 }
 
-static bool write_photograph(const Shot *shot, int pattern, FfpError *err) {
-    const Job *job = shot->job;
+static bool write_photograph(const void *argument, int index, int pattern, FfpImage *light, FfpError *err) {
+    const Job *job = argument;
+    const Subject *subject = &job->subjects[index];
     const Sent *sent = &job->sent[pattern];
-    FfpImage *light = &shot->view->images[pattern - shot->first];
     char folder[64], name[NAME], file[NAME + 80], path[FFP_PATH_MAX];
-    name_photograph(shot->subject, sent, folder, name);
+    name_photograph(subject, sent, folder, name);
     snprintf(file, sizeof file, "%s/%s.JPG", folder, name);
     if (!path_in(job, file, path, err)) return false;
     if (job->room.camera_defocus > 0) ffp_sensor_blur(light, job->room.camera_defocus);
-    if (has_truth(shot->subject, sent) && !write_truth(shot, sent, light, err)) return false;
-    ffp_sensor_expose(light, &job->sensor, key_of(shot, pattern));
+    if (has_truth(subject, sent) && !write_truth(job, subject, sent, light, err)) return false;
+    ffp_sensor_expose(light, &job->sensor, key_of(job->options->seed, index, pattern));
     ffp_image_to_srgb(light);
     return ffp_image_write_jpeg(light, job->options->quality, path, err);
-}
-
-static void develop(void *argument, int64_t index) {
-    Shot *shot = argument;
-    const int pattern = shot->first + (int)index;
-    FfpError error = {0};
-    if (!is_wanted(&shot->job->sent[pattern], shot->subject)) return;
-    const bool ok = write_photograph(shot, pattern, &error);
-#pragma omp critical(ffp_room_photographs_books)
-    {
-        if (!ok && !shot->failed && shot->err) *shot->err = error;
-        shot->failed |= !ok;
-        shot->job->done += ok;
-    }
 }
 
 static bool write_mask(const Job *job, const Subject *subject, const FfpView *view, FfpError *err) {
@@ -327,7 +296,9 @@ static FfpSimulation simulation_of(const Job *job, const Subject *subject, const
 }
 
 // The subject under the patterns of a batch.
-static bool photograph(Job *job, const Subject *subject, const FfpLight *light, int first, FfpError *err) {
+static bool photograph(void *argument, int index, const FfpLight *light, int first, FfpError *err) {
+    const Job *job = argument;
+    const Subject *subject = &job->subjects[index];
     FfpMesh board = {0};
     if (is_board(subject)) board = ffp_chessboard_mesh(&subject->board);
     const FfpMesh *object = is_board(subject) ? &board : subject->kind == KIND_EMPTY ? NULL : job->mesh;
@@ -336,72 +307,46 @@ static bool photograph(Job *job, const Subject *subject, const FfpLight *light, 
     FfpSimulation simulation = simulation_of(job, subject, &around, light);
     FfpTracer *tracer = ffp_tracer_new(&around.mesh, err);
     simulation.tracer = tracer;
-    Shot shot = {.job = job, .subject = subject, .first = first, .failed = !tracer, .err = err};
-    if (tracer) {
+    bool ok = tracer != NULL;
+    if (ok) {
         FfpView view = {0};
-        shot.view = &view;
         ffp_bare_rig_devices(&job->room.rig, subject->angle, &view.camera, &view.projector);
-        ffp_simulate_view(&simulation, &view, (uint32_t)(subject - job->subjects), NULL);
-        ffp_parallel_for(light->n_patterns, 0, develop, &shot);
-        if (first == 0 && subject->kind <= KIND_BETWEEN && !shot.failed)
-            shot.failed = !write_mask(job, subject, &view, err);
+        ffp_simulate_view(&simulation, &view, (uint32_t)index, NULL);
+        ok = ffp_photographing_develop(&job->run, index, &view, first, light->n_patterns, err) &&
+             (first > 0 || subject->kind > KIND_BETWEEN || write_mask(job, subject, &view, err));
         ffp_view_free(&view, light->n_patterns);
-        ffp_task_step(&job->progress, job->done, subject->name);
     }
     ffp_tracer_free(tracer);
     ffp_around_free(&around);
     ffp_mesh_free(&board);
-    return !shot.failed;
+    return ok;
 }
 
-static bool wants_any(const Job *job, const Subject *subject, int first, int count) {
-    for (int i = first; i < first + count; i++)
-        if (is_wanted(&job->sent[i], subject)) return true;
-    return false;
+static const char *name_of(const void *argument, int subject) {
+    const Job *job = argument;
+    return job->subjects[subject].name;
 }
 
-static bool emit(const Job *job, int index, FfpImage *emitted, FfpError *err) {
+static bool is_wanted(const void *argument, int subject, int pattern) {
+    const Job *job = argument;
+    return suits(&job->sent[pattern], &job->subjects[subject]);
+}
+
+static bool emit(const void *argument, int index, FfpImage *emitted, FfpError *err) {
+    const Job *job = argument;
     char name[NAME + 32], path[FFP_PATH_MAX];
     snprintf(name, sizeof name, "patterns/%s", job->sent[index].file);
     return path_in(job, name, path, err) && ffp_pattern_emit(path, &job->sensor, emitted, err);
 }
 
-static bool photograph_batch(Job *job, int first, int count, FfpError *err) {
-    FfpImage emitted[BATCH_MOST] = {0};
-    const FfpImage *images[BATCH_MOST];
-    bool ok = true;
-    for (int i = 0; ok && i < count; i++) {
-        ok = emit(job, first + i, &emitted[i], err);
-        images[i] = &emitted[i];
-    }
-    if (ok) {
-        FfpLight light = ffp_light_new(images, count);
-        for (int s = 0; ok && s < job->n_subjects; s++)
-            if (wants_any(job, &job->subjects[s], first, count))
-                ok = photograph(job, &job->subjects[s], &light, first, err);
-        ffp_light_free(&light);
-    }
-    for (int i = 0; i < count; i++) ffp_image_free(&emitted[i]);
-    return ok;
-}
-
-static int batch_of(const Job *job) {
-    const FfpCamera *devices[2] = {&job->room.rig.camera, &job->room.rig.projector};
-    double bytes = 0;
-    for (int k = 0; k < 2; k++) bytes += 12.0 * devices[k]->width * devices[k]->height;
-    return (int)fmax(BATCH_LEAST, fmin(BATCH_MOST, MEMORY / bytes));
-}
-
-// The folders of all pictures; how many there will be.
-static bool make_folders(const Job *job, int64_t *count, FfpError *err) {
-    *count = 0;
+// The folders of all pictures.
+static bool make_folders(const Job *job, FfpError *err) {
     if (!make_folder(job, "masks", err)) return false;
     for (int s = 0; s < job->n_subjects; s++)
         for (int p = 0; p < job->n_sent; p++) {
             const Subject *subject = &job->subjects[s];
             char folder[64], name[NAME], truth[64];
-            if (!is_wanted(&job->sent[p], subject)) continue;
-            (*count)++;
+            if (!suits(&job->sent[p], subject)) continue;
             name_photograph(subject, &job->sent[p], folder, name);
             snprintf(truth, sizeof truth, "truth/%s", subject->name);
             if (!make_folder(job, folder, err) ||
@@ -412,35 +357,21 @@ static bool make_folders(const Job *job, int64_t *count, FfpError *err) {
 }
 
 static bool photograph_all(Job *job, FfpError *err) {
-    int64_t count;
-    if (!make_folders(job, &count, err)) return false;
-    job->progress = ffp_task("photographing", count);
-    bool ok = true;
-    const int batch = batch_of(job);
-    for (int first = 0; ok && first < job->n_sent; first += batch) {
-        const int left = job->n_sent - first;
-        ok = photograph_batch(job, first, left < batch ? left : batch, err);
-    }
-    ffp_task_end(&job->progress);
-    if (ok)
+    job->run = (FfpPhotographing){job,       &job->room.rig, job->n_sent, job->n_subjects, name_of,
+                                  is_wanted, emit,           photograph,  write_photograph};
+    const int64_t count = make_folders(job, err) ? ffp_photographing_run(&job->run, err) : -1;
+    if (count >= 0)
         ffp_note("%s: %lld photographs of %s", job->options->folder, (long long)count,
                  job->options->attitudes > 0 ? "the object and of the chessboard" : "the object");
-    return ok;
+    return count >= 0;
 }
 
 // --- All of it. ---
 
 static bool check(const FfpRoomPhotographs *options, const FfpSceneSpec *spec, FfpError *err) {
-    if (spec->sensor.turn_error > 0 || spec->sensor.shift_error > 0)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor",
-                        "turn_error and shift_error are of written poses: photographs have none");
-    if (spec->resolution < HEIGHT_MIN || spec->resolution > 4096)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "resolution", "%d is not in %d..4096", spec->resolution,
-                        HEIGHT_MIN);
-    if (options->quality < 1 || options->quality > 100)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "quality", "%d is not in 1..100", options->quality);
-    return (options->attitudes >= 0 && options->attitudes <= 64) ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, "attitudes", "%d are not in 0..64", options->attitudes);
+    return ffp_photographing_check(spec, options->attitudes, err) &&
+           ((options->quality >= 1 && options->quality <= 100) ||
+            ffp_fail(err, FFP_ERROR_ARGUMENT, "quality", "%d is not in 1..100", options->quality));
 }
 
 // The room's faults, with those that were asked for in their place.

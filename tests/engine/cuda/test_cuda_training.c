@@ -1,10 +1,12 @@
-// A training step on a device against the CPU: losses, gradient, update; and short runs.
+// A training step on a device against the CPU: inputs, losses, gradient, update; and short runs.
 #include "compare.h"
 #include "core/base/call.h"
 #include "core/base/rng.h"
 #include "ffprocams.h"
+#include "lab/train/captures.h"
 #include "lab/train/mirror.h"
 #include "scratch.h"
+#include "world/synth/synth.h"
 
 static const FfpDevice *device;
 
@@ -33,21 +35,48 @@ static void compare_losses(const FfpLosses *there, const FfpLosses *here) {
 typedef struct Opening {
     FfpScene *scene;
     const FfpTrainConfig *config;
+    const FfpCaptureSet *captures; // NULL: generated
 } Opening;
 
 static bool open_scene(void *argument, FfpError *err) {
     const Opening *o = argument;
-    return ffp_scene_open(o->scene, o->config, NULL, "train", 0, err);
+    return o->captures ? ffp_captures_scene(o->scene, o->config, o->captures, 0, err)
+                       : ffp_scene_open(o->scene, o->config, NULL, "train", 0, err);
 }
 
-static void check_step(double polish_share) {
+// A scene made ready for the device.
+static FfpScene opened(const FfpTrainConfig *config, const FfpCaptureSet *captures) {
+    FfpScene scene;
+    FfpError err = {0};
+    FfpContext context = {.device = device};
+    if (!ffp_call_run(&context, open_scene, &(Opening){&scene, config, captures}, &err))
+        fail_msg("%s", err.text);
+    return scene;
+}
+
+static FfpTrainConfig tiny_config(double polish_share) {
     FfpTrainConfig config;
     FfpError err = {0};
     assert_true(ffp_train_config_parse(&config, tiny_run, "tiny_run", &err));
     config.polish_share = polish_share;
-    FfpScene scene;
-    FfpContext context = {.device = device}; // the scene is made ready for it
-    assert_true(ffp_call_run(&context, open_scene, &(Opening){&scene, &config}, &err));
+    return config;
+}
+
+// The polish fits what the scene's inputs show, on the device as on the CPU.
+static void compare_inputs(const FfpCapture *there, const FfpCapture *here) {
+    assert_int_equal(there->n_views, here->n_views);
+    for (int v = 0; v < here->n_views; v++)
+        for (int p = 0; p < here->n_patterns; p++) {
+            const FfpImage *a = &there->views[v].images[p], *b = &here->views[v].images[p];
+            assert_true(a->width == b->width && a->height == b->height && !a->data == !b->data);
+            if (b->data) assert_close(a->data, b->data, (int64_t)b->width * b->height * 3, 0, "inputs");
+        }
+}
+
+// Takes the scene away.
+static void check_step(const FfpTrainConfig *given, FfpScene scene) {
+    const FfpTrainConfig config = *given;
+    FfpError err = {0};
     FfpModel *model = ffp_model_new(&config.model, 1, &err);
     const size_t count = (size_t)model->count;
     real *grad = ffp_alloc(count, sizeof *grad);
@@ -60,6 +89,7 @@ static void check_step(double polish_share) {
     ffp_device_use(device);
     FfpMirror *mirror = ffp_mirror_new(model, &adam, &config);
     const FfpScene *there = ffp_mirror_scene(mirror, 0, true, &scene);
+    compare_inputs(&there->inputs, &scene.inputs);
     FfpTrainStep *stepper_there = ffp_train_step_new(&config, NULL);
     real *grad_there = ffp_memory_new(count, sizeof *grad_there);
     if (!ffp_train_step_loss(stepper_there, &mirror->model, there, 0, &losses, grad_there, &err))
@@ -86,12 +116,40 @@ static void check_step(double polish_share) {
 
 static void test_step(void **state) {
     (void)state;
-    check_step(0);
+    const FfpTrainConfig config = tiny_config(0);
+    check_step(&config, opened(&config, NULL));
 }
 
 static void test_step_through_the_polish(void **state) {
     (void)state;
-    check_step(1);
+    const FfpTrainConfig config = tiny_config(1);
+    check_step(&config, opened(&config, NULL));
+}
+
+// Photographs with noise, of a size that is not whole patches.
+static void write_capture(const char *folder) {
+    FfpSceneSpec spec = ffp_scene_defaults();
+    FfpCapture made;
+    FfpError err = {0};
+    spec.resolution = 36, spec.views = 3, spec.lollipops = 2, spec.pattern_side = 100, spec.samples = 4;
+    spec.sensor = (FfpSensor){.read = 0.03F};
+    if (!ffp_scene_make(&made, &spec, &err) || !ffp_make_folders(folder, &err) ||
+        !ffp_capture_write(&made, folder, &err))
+        fail_msg("%s", err.text);
+    ffp_capture_free(&made);
+}
+
+static void test_step_through_the_polish_of_photographs(void **state) {
+    (void)state;
+    FfpError err = {0};
+    write_capture(in_scratch("captures/a"));
+    write_capture(in_scratch("captures/b"));
+    FfpTrainConfig config = tiny_config(1);
+    snprintf(config.captures, sizeof config.captures, "%s", in_scratch("captures"));
+    FfpCaptureSet *captures = ffp_captures_open(&config, &err);
+    if (!captures) fail_msg("%s", err.text);
+    check_step(&config, opened(&config, captures));
+    ffp_captures_close(captures);
 }
 
 // The weights that come out of a run on the device.
@@ -138,6 +196,7 @@ int main(void) {
     if (!(device = find_device())) return 0;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_step), cmocka_unit_test(test_step_through_the_polish),
-        cmocka_unit_test(test_run), cmocka_unit_test(test_run_with_generators)};
+        cmocka_unit_test(test_step_through_the_polish_of_photographs), cmocka_unit_test(test_run),
+        cmocka_unit_test(test_run_with_generators)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

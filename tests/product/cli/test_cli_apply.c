@@ -431,6 +431,28 @@ static void must_fail(int status, const char *what, const char *file) {
     if (file) assert_false(ffp_is_file(in_scratch(file)));
 }
 
+// Of all that draws them with the capture's devices.
+static void gaussians_of_another_place_are_noted(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpGaussians moved;
+    static const char *const commands[] = {
+        "render %s/far.ply -c %s/scenes/test_00000 -v path_0_theta000 -o %s/far",
+        "map %s/far.ply -c %s/scenes/test_00000 -v path_0_theta000 -o %s/far_maps",
+        "view %s/far.ply -c %s/scenes/test_00000 -o %s/far.html"};
+    if (!ffp_gaussians_read(&moved, in_scratch("tiny.ply"), &err)) fail_msg("%s", err.text);
+    for (int64_t i = 0; i < moved.count; i++) moved.centre[3 * i + 2] += 30;
+    if (!ffp_gaussians_write(&moved, in_scratch("far.ply"), 0, &err)) fail_msg("%s", err.text);
+    ffp_gaussians_free(&moved);
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        char line[1024];
+        snprintf(line, sizeof line, commands[i], scratch, scratch, scratch);
+        run_program(&run, line);
+        must_run();
+        if (!strstr(run.err, "Gaussians lie outside the sphere")) fail_msg("%s: %s", line, run.err);
+    }
+}
+
 static void wrong_compensations_say_what_is_wrong(void **state) {
     (void)state;
     run_format(&run,
@@ -540,6 +562,7 @@ int main(void) {
         cmocka_unit_test(compensation_for_new_poses_uses_the_gaussians),
         cmocka_unit_test(maps_of_a_generated_scene_go_there_and_back),
         cmocka_unit_test(maps_know_even_light),
+        cmocka_unit_test(gaussians_of_another_place_are_noted),
         cmocka_unit_test(wrong_compensations_say_what_is_wrong),
         cmocka_unit_test(outputs_go_through_links_and_into_no_device),
         cmocka_unit_test(maps_that_fail_leave_no_folder),

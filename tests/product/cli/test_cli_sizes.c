@@ -83,8 +83,33 @@ static void every_command_takes_them(void **state) {
     check_size("aligned/path_0_theta045_all_white.png", 128, 112);
 }
 
+static void must_be_same(const char *a, const char *b) {
+    FfpImage images[2] = {{0}};
+    const char *const names[2] = {a, b};
+    for (int k = 0; k < 2; k++)
+        assert_true(ffp_image_read(&images[k], in_scratch(names[k]), FFP_COLOUR_ENCODED, NULL));
+    assert_true(images[0].width == images[1].width && images[0].height == images[1].height);
+    assert_memory_equal(images[0].data, images[1].data,
+                        (size_t)(images[0].width * images[0].height * images[0].channels) * sizeof(real));
+    ffp_image_free(&images[0]), ffp_image_free(&images[1]);
+}
+
+// Views above two million pixels are drawn in strips, under several patterns at once.
+static void large_pictures_are_the_same_together_and_alone(void **state) {
+    (void)state;
+    must_run("reconstruct %s/two -o %s/large.ply --model none --polish 0");
+    must_run(
+        "render %s/large.ply -c %s/two -v path_0_theta000 -v path_0_theta045 -p lollipop_0 -p lollipop_1 "
+        "--size 1500x1400 -o %s/together");
+    must_run("render %s/large.ply -c %s/two -v path_0_theta045 -p lollipop_1 --size 1500x1400 -o %s/alone");
+    must_run("render %s/large.ply -c %s/two -v path_0_theta000 -p lollipop_0 --size 1500x1400 -o %s/alone");
+    must_be_same("together/path_0_theta045_lollipop_1.png", "alone/path_0_theta045_lollipop_1.png");
+    must_be_same("together/path_0_theta000_lollipop_0.png", "alone/path_0_theta000_lollipop_0.png");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(files_hold_whole_patches),
-                                       cmocka_unit_test(every_command_takes_them)};
+                                       cmocka_unit_test(every_command_takes_them),
+                                       cmocka_unit_test(large_pictures_are_the_same_together_and_alone)};
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
 }

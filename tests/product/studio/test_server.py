@@ -440,6 +440,21 @@ def jobs_end(studio):
     assert log.startswith("$ ffprocams patterns -o patterns --projector 320x200")
 
 
+def the_folder_is_listed_when_something_changed(studio):
+    """Not for every step of a job's progress; a page that begins is told what there is."""
+    mine = studio.folder / "patterns/099_mine.png"
+    patterns = lambda path: json.loads(studio.ask("GET", path)[1])["patterns"]
+    before = patterns("state")
+    mine.write_bytes(png())
+    assert patterns("state?known=0") == before
+    assert patterns("state") == [*before, mine.name]
+    mine.unlink()
+    assert mine.name in patterns("state?known=0")
+    assert studio.do(verb="cancel")[0] == 200
+    studio.do(verb="set", settings={"width": 128})
+    assert patterns("state?known=0") == before
+
+
 def a_watched_folder(program, folder):
     """Every new picture is the shot that is due; other files are not."""
     place = folder.parent / "camera"
@@ -519,6 +534,7 @@ def main():
     print(f"{photographs_are_checked(studio)} photographs are checked")
     print(f"{trials_are_checked(studio)} comparisons are checked")
     jobs_end(studio)
+    the_folder_is_listed_when_something_changed(studio)
     one_studio_for_a_folder(program, rig, studio.port)
     studio, confirmed = killed_at_any_moment(program, rig, studio)
     print(f"killed six times, {confirmed} photographs confirmed and there")

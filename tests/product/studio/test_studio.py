@@ -107,7 +107,7 @@ def go_through(page, pictures):
     done("boards")
     page.wait("document.querySelectorAll('#seen-says li').length > 0 && /tilted/.test(document.querySelector('#board-sets small').textContent)")
     page.click("#calibrate")
-    page.wait("studio.state.axis && studio.state.job.end === 'done' && document.getElementById('calibration-figures').children.length > 0", LONG)
+    page.wait("studio.state.axis && studio.state.job.end === 'done' && document.getElementById('calibration-figures').children.length === 8", LONG)
     if not page.run("document.getElementById('fix').hidden"):
         page.click("#fix")
         page.wait("studio.state.job.commands.join().includes('--fix') && studio.state.job.end === 'done'", LONG)

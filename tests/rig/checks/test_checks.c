@@ -109,6 +109,26 @@ static void test_pattern_mirrored(void **state) {
     must_doubt("pattern", "mirrored left to right");
 }
 
+static void flip(FfpImage *image) {
+    const int row = image->width * image->channels;
+    for (int y = 0; image->data && y < image->height / 2; y++)
+        for (int i = 0; i < row; i++) {
+            real *a = &image->data[y * row + i], *b = &image->data[(image->height - 1 - y) * row + i],
+                 kept = *a;
+            *a = *b, *b = kept;
+        }
+}
+
+static void test_photographs_mirrored(void **state) {
+    (void)state;
+    for (int v = 0; v < capture.n_views; v++) {
+        for (int p = 0; p < capture.n_patterns; p++) flip(&capture.views[v].images[p]);
+        flip(&capture.views[v].coverage);
+    }
+    must_doubt("pattern", "it fits when the photographs are mirrored upside down");
+    assert_null(strstr(page, "align"));
+}
+
 // A view whose camera was bumped by two pixels, and one with something in front of it under the pattern.
 static void test_one_view(void **state) {
     (void)state;
@@ -296,6 +316,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_angles_reversed, setup, teardown),
         cmocka_unit_test_setup_teardown(test_axis_moved, setup, teardown),
         cmocka_unit_test_setup_teardown(test_pattern_mirrored, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_photographs_mirrored, setup, teardown),
         cmocka_unit_test_setup_teardown(test_one_view, setup, teardown),
         cmocka_unit_test_setup_teardown(test_one_view_in_the_light, setup, teardown),
         cmocka_unit_test_setup_teardown(test_slipped, setup, teardown),

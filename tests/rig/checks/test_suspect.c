@@ -101,6 +101,20 @@ static void a_turntable_that_turned_the_other_way(void **state) {
     must_name(capture.folder, "change the sign of its angles");
 }
 
+static void all_views_mirrored(void **state) {
+    for (int flip = 0; flip < 2; flip++) {
+        teardown(state);
+        assert_int_equal(setup(state), 0);
+        for (int v = 0; v < capture.n_views; v++) {
+            FfpView *view = &capture.views[v];
+            for (int p = 0; p < capture.n_patterns; p++) move_picture(&view->images[p], flip ? FLIP : MIRROR);
+            move_picture(&view->coverage, flip ? FLIP : MIRROR);
+        }
+        must_name(capture.folder, flip ? "all photographs are mirrored upside down"
+                                       : "all photographs are mirrored left to right");
+    }
+}
+
 static void exchange_black_and_white(FfpView *view) {
     const FfpImage black = view->images[capture.black];
     view->images[capture.black] = view->images[capture.white];
@@ -159,7 +173,7 @@ static void photographs_of_something_else(void **state) {
     must_name(capture.folder, "show lollipop_1");
     exchange_pictures(&capture.patterns[active].image, &capture.patterns[active + 1].image);
     move_picture(&capture.patterns[active].image, MIRROR);
-    must_name(capture.folder, "mirrored left to right");
+    must_name(capture.folder, "lollipop_0 fit when it is mirrored left to right");
 }
 
 // A sheet of paper. Another view looks just the same, and its photograph fits: but they are not exchanged.
@@ -270,6 +284,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(nothing_is_wrong, setup, teardown),
         cmocka_unit_test_setup_teardown(one_view_turned_or_mirrored, setup, teardown),
+        cmocka_unit_test_setup_teardown(all_views_mirrored, setup, teardown),
         cmocka_unit_test_setup_teardown(two_views_exchanged, setup, teardown),
         cmocka_unit_test_setup_teardown(a_turntable_that_turned_the_other_way, setup, teardown),
         cmocka_unit_test_setup_teardown(black_and_white_exchanged, setup, teardown),

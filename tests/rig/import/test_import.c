@@ -646,6 +646,15 @@ static void test_masks(void **state) {
     call = call_of("given", "model", NULL);
     call->options.sources.mask = FFP_MASKS_FILES, call->options.sources.mask_files = masks;
     check(call, &rig, 50);
+    // A later one that is damaged, or finer than the photographs, is refused by name.
+    call = call_of("never", "model", NULL);
+    call->options.sources.mask = FFP_MASKS_FILES, call->options.sources.mask_files = masks;
+    assert_true(ffp_write_file(in_scratch("masks/1.png"), "\x89PNG\r\n\x1a\n", 8, NULL));
+    must_fail(call, "masks/1.png");
+    FfpImage finer = ffp_image_new(2 * WIDTH, 2 * HEIGHT, 1);
+    assert_true(ffp_image_write_png(&finer, in_scratch("masks/1.png"), NULL));
+    ffp_image_free(&finer);
+    must_fail(call, "image is 192 x 144, but the others are 96 x 72");
 }
 
 // JPEG; and EXR pictures four times as bright as the range allows, brought back by two stops.
