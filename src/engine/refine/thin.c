@@ -127,10 +127,11 @@ static real described_in(const Thinning *t, int64_t splat, int view) {
     return sum;
 }
 
-static real described(const Thinning *t, int64_t splat) {
+// In all other views, or as soon as it is `enough`.
+static real described(const Thinning *t, int64_t splat, real enough) {
     const int own = (int)(t->pixel[splat] / t->area);
     real sum = 0;
-    for (int v = 0; v < t->capture->n_views; v++)
+    for (int v = 0; v < t->capture->n_views && sum < enough; v++)
         if (v != own) sum += described_in(t, splat, v);
     return sum;
 }
@@ -151,7 +152,7 @@ static void choose(Thinning *t, double layers) {
     if (layers > 0) qsort(candidates, count, sizeof *candidates, finer_first);
     for (size_t i = 0; i < count; i++) {
         const int64_t splat = candidates[i].splat;
-        t->kept[splat] = !(layers > 0) || described(t, splat) < (real)layers;
+        t->kept[splat] = !(layers > 0) || described(t, splat, (real)layers) < (real)layers;
     }
     ffp_free(candidates);
 }
@@ -162,7 +163,7 @@ static void widen(const Thinning *t, real *scale) {
 #pragma omp parallel for schedule(static)
     for (int64_t i = 0; i < t->gaussians->count; i++) {
         if (!t->kept[i]) continue;
-        const real alone = 1 - fmin(described(t, i), 1), width = t->pieces[i].width;
+        const real alone = 1 - fmin(described(t, i, 1), 1), width = t->pieces[i].width;
         const real tilt = fmin(t->pieces[i].area / (width * width), WIDEST_TILT);
         const real wider = pow(WIDER * sqrt(tilt), alone);
         for (int c = 0; c < 3; c++) scale[3 * i + c] *= c == t->pieces[i].axis ? 1 : wider;
