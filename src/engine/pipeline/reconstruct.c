@@ -189,12 +189,21 @@ static void thin(Work *w, const FfpReconstruction *options) {
     ffp_thin(&w->result, w->pixel, &w->padded, w->start.confidence, layers);
 }
 
+// Of the start the polish needs no more than its size.
+static void forget_maps(FfpInitialisation *start) {
+    const FfpInitialisation size = {.views = start->views, .width = start->width, .height = start->height};
+    ffp_initialisation_free(start);
+    *start = size;
+}
+
 static bool predict_and_polish(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats,
                                FfpError *err) {
     if (!predict(w, options, stats, err)) return false;
     const double begin = ffp_seconds();
-    ffp_prune_contradicted(w->result.opacity, w->result.centre, w->result.count, &w->padded, &w->start);
+    ffp_prune_contradicted(w->result.opacity, w->result.centre, w->pixel, w->result.count, &w->padded,
+                           &w->start);
     thin(w, options);
+    if (!w->capture.scene) forget_maps(&w->start);
     if (options->polish != 0 && w->result.count > 0 && !polish(w, options, stats, err)) return false;
     if (w->capture.scene) ffp_margins_add(&w->result, &w->padded, &w->start);
     stats->polish_s = ffp_seconds() - begin;
