@@ -20,6 +20,13 @@ typedef struct FfpViewFiles {
     FfpSource coverage, correspondence, depth, normal, albedo, roughness, direct_white;
 } FfpViewFiles;
 
+// What a reconstruction looks at: black, white, and the pictures under n named patterns, or, if n is 0, under
+// the one that it takes then.
+typedef struct FfpWanted {
+    const char *const *patterns;
+    int n;
+} FfpWanted;
+
 typedef struct FfpManifest {
     FfpCapture *capture;
     bool targets;        // poses to predict: views may lack black and white, or any image
@@ -27,6 +34,7 @@ typedef struct FfpManifest {
     bool keep;           // of poses: the places of the photographs stay with the capture (photographs.h)
     double values_most;  // more numbers than these in the photographs, and they are left in their files, if
                          // the file says intensity and bounds; 0: they are read
+    const FfpWanted *wanted; // NULL: everything is read
     int known_patterns;  // the first patterns have their images already (copied from the reference)
     const char *file;    // the JSON, or a name, for messages
     const char *folder;  // that contains it
