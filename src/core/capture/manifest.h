@@ -29,12 +29,13 @@ typedef struct FfpWanted {
 
 typedef struct FfpManifest {
     FfpCapture *capture;
+    // NULL: everything is read.
+    const FfpWanted *wanted;
     bool targets;        // poses to predict: views may lack black and white, or any image
     bool poses;          // likewise, and the pictures named need not exist: none is read
     bool keep;           // of poses: the places of the photographs stay with the capture (photographs.h)
     double values_most;  // more numbers than these in the photographs, and they are left in their files, if
                          // the file says intensity and bounds; 0: they are read
-    const FfpWanted *wanted; // NULL: everything is read
     int known_patterns;  // the first patterns have their images already (copied from the reference)
     const char *file;    // the JSON, or a name, for messages
     const char *folder;  // that contains it

@@ -11,7 +11,7 @@
 #define LEAST 200          // pixels below which nothing is said
 #define ROUNDS 10          // of leaving out outliers
 #define OUTLIER 3          // deviations
-#define NOISE_LEAST 0.0005 // that is said
+#define NOISE_LEAST 0.0005 // below which there is none
 
 typedef struct Samples {
     int64_t count;

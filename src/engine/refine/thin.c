@@ -143,8 +143,8 @@ static int finer_first(const void *a, const void *b) {
     return x->splat < y->splat ? -1 : x->splat > y->splat;
 }
 
-// Which of up to AT_ONCE candidates stay: one after the other, because that depends on which finer ones do, but
-// what those before them all leave out needs no turn.
+// Which of up to AT_ONCE candidates stay: one after the other, because that depends on which finer ones do,
+// but what those before them all leave out needs no turn.
 static void choose_some(Thinning *t, const Candidate *candidates, size_t count, real layers) {
     bool out[AT_ONCE];
 #pragma omp parallel for schedule(static)

@@ -26,9 +26,10 @@ typedef struct OpenCapture {
 
 static bool open_capture(void *argument, FfpError *err) {
     OpenCapture *call = argument;
-    call->capture = call->devices  ? ffp_capture_load_devices(call->path, call->sphere, err)
-                    : call->wanted ? ffp_capture_load_wanted(call->path, call->patterns, call->n_patterns, err)
-                                   : ffp_capture_load(call->path, err);
+    call->capture = call->devices ? ffp_capture_load_devices(call->path, call->sphere, err)
+                    : call->wanted
+                        ? ffp_capture_load_wanted(call->path, call->patterns, call->n_patterns, err)
+                        : ffp_capture_load(call->path, err);
     return call->capture != NULL;
 }
 

@@ -205,7 +205,8 @@ static void test_projector_rays(void **state) {
     ffp_projector_rays_free(&projector_rays);
 }
 
-// Of forty views on a ring those that are asked are spread around it, the neighbours among them; of a few, all.
+// Of forty views on a ring those that are asked are spread around it, the neighbours among them; of a few,
+// all.
 static void test_asked(void **state) {
     (void)state;
     enum { N = 40 };
