@@ -37,6 +37,11 @@ typedef struct FfpCapture FfpCapture;
 
 // Reads a folder with scene.json or render_poses.json, or such a file, and checks all of its contents.
 FFP_API FfpCapture *ffp_capture_open(FfpContext *context, const char *path, FfpError *err);
+// The same for a reconstruction alone, without the photographs that ffp_reconstruct does not use with these
+// patterns, as its settings have them (`n_patterns` 0: the first), and without ground truth. All are read if
+// the file lacks the object's sphere, the photographs have neither alpha nor masks, or it is a whole scene.
+FFP_API FfpCapture *ffp_capture_open_wanted(FfpContext *context, const char *path,
+                                            const char *const *patterns, int n_patterns, FfpError *err);
 // The same with the photographs left in their files: a capture of many megapixels then takes hardly any
 // memory. It is enough for rendering, maps, exporting, the page and compensation, which read the few
 // photographs that they need; reconstructing, fitting, aligning and saving refuse it (FFP_ERROR_ARGUMENT).

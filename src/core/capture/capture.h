@@ -87,6 +87,10 @@ FfpCapture *ffp_capture_load(const char *path, FfpError *err);
 // The same, but photographs of more than `values` numbers are left in their files, as by
 // ffp_capture_load_devices, if the file says intensity and sphere.
 FfpCapture *ffp_capture_load_most(const char *path, double values, FfpError *err);
+// The same without the pictures that a reconstruction from these patterns (n names, 0: the one it takes then)
+// does not look at, nor the ground truth. A capture whose file lacks the object's sphere, whose photographs
+// have neither alpha nor masks, or that is a whole scene, is read as a whole.
+FfpCapture *ffp_capture_load_wanted(const char *path, const char *const *patterns, int n, FfpError *err);
 // Devices and patterns, for work that looks at few photographs or none: they stay in their files, and views
 // have neither pictures nor coverage (photographs.h reads a view's). What the file does not say (the
 // intensity, a pattern's picture, and with `sphere` the object's) takes reading it all, as ffp_capture_load

@@ -340,8 +340,45 @@ static bool load_poses(FfpManifest *manifest, FfpError *err) {
     return true;
 }
 
+static bool seen_by_all(const FfpManifest *manifest, int pattern) {
+    for (int v = 0; v < manifest->capture->n_views; v++)
+        if (!manifest->views[v].images[pattern].path) return false;
+    return true;
+}
+
+static bool is_wanted(const FfpManifest *manifest, int pattern) {
+    const FfpCapture *capture = manifest->capture;
+    const FfpWanted *wanted = manifest->wanted;
+    for (int i = 0; i < wanted->n; i++)
+        if (strcmp(wanted->patterns[i], capture->patterns[pattern].name) == 0) return true;
+    if (pattern == capture->black || pattern == capture->white) return true;
+    return wanted->n == 0 && !capture->patterns[pattern].novel && seen_by_all(manifest, pattern);
+}
+
+// Forgets the photographs and the truth that nobody wants. False, without an error: other things would be
+// taken from them, so that all must be read.
+static bool keep_wanted(FfpManifest *manifest) {
+    const FfpCapture *capture = manifest->capture;
+    if (!manifest->has_bounds || capture->scene) return false;
+    bool unwanted[FFP_PATTERNS_MAX], has_default = false;
+    for (int p = 0; p < capture->n_patterns; p++) {
+        const bool plain = p == capture->black || p == capture->white;
+        unwanted[p] = !is_wanted(manifest, p) || (manifest->wanted->n == 0 && !plain && has_default);
+        has_default |= !unwanted[p] && !plain;
+    }
+    for (int v = 0; v < capture->n_views; v++) {
+        FfpViewFiles *files = &manifest->views[v];
+        for (int p = 0; p < capture->n_patterns; p++)
+            if (unwanted[p]) files->images[p].path = NULL;
+        files->depth.path = files->normal.path = files->albedo.path = files->roughness.path =
+            files->direct_white.path = NULL;
+    }
+    return true;
+}
+
 bool ffp_manifest_load(FfpManifest *manifest, FfpError *err) {
     FfpCapture *capture = manifest->capture;
+    if (manifest->wanted && !keep_wanted(manifest)) return false;
     if (manifest->poses) return load_poses(manifest, err);
     if (!settle_pattern_size(manifest, err) || !check_pictures(manifest, err)) return false;
     manifest->keep = is_to_be_left(manifest);
@@ -352,6 +389,7 @@ bool ffp_manifest_load(FfpManifest *manifest, FfpError *err) {
     if (manifest->targets) return true; // bounds and intensity are the reference's
     int guessed = 0;
     for (int v = 0; v < capture->n_views; v++) guessed += sources[v] == FFP_COVERAGE_GUESSED;
+    if (guessed > 0 && manifest->wanted) return false; // all photographs tell where the object is
     if (guessed > 0) {
         ffp_note("%s: %d of %d views have neither alpha nor a mask; the object is taken to be what white "
                  "brightens",

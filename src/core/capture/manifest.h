@@ -20,8 +20,17 @@ typedef struct FfpViewFiles {
     FfpSource coverage, correspondence, depth, normal, albedo, roughness, direct_white;
 } FfpViewFiles;
 
+// What a reconstruction looks at: black, white, and the pictures under n named patterns, or, if n is 0, under
+// the one that it takes then.
+typedef struct FfpWanted {
+    const char *const *patterns;
+    int n;
+} FfpWanted;
+
 typedef struct FfpManifest {
     FfpCapture *capture;
+    // NULL: everything is read.
+    const FfpWanted *wanted;
     bool targets;        // poses to predict: views may lack black and white, or any image
     bool poses;          // likewise, and the pictures named need not exist: none is read
     bool keep;           // of poses: the places of the photographs stay with the capture (photographs.h)

@@ -71,9 +71,10 @@ static bool read_file(FfpManifest *manifest, const char *json, FfpError *err) {
 
 static const char *const capture_names[2] = {"scene.json", "render_poses.json"};
 
-static bool read_most(FfpCapture *capture, const char *path, double values, FfpError *err) {
+static bool read_most(FfpCapture *capture, const char *path, double values, const FfpWanted *wanted,
+                      FfpError *err) {
     char json[FFP_PATH_MAX];
-    FfpManifest manifest = {.capture = capture, .values_most = values};
+    FfpManifest manifest = {.capture = capture, .values_most = values, .wanted = wanted};
     *capture = (FfpCapture){.black = -1, .white = -1};
     if (!find_json(json, path, capture_names, 2, err)) return false;
     capture->patterns = ffp_alloc(FFP_PATTERNS_MAX, sizeof(FfpPattern));
@@ -81,7 +82,7 @@ static bool read_most(FfpCapture *capture, const char *path, double values, FfpE
 }
 
 bool ffp_capture_read(FfpCapture *capture, const char *path, FfpError *err) {
-    return read_most(capture, path, 0, err);
+    return read_most(capture, path, 0, NULL, err);
 }
 
 FfpCapture *ffp_capture_load(const char *path, FfpError *err) {
@@ -90,7 +91,7 @@ FfpCapture *ffp_capture_load(const char *path, FfpError *err) {
 
 FfpCapture *ffp_capture_load_most(const char *path, double values, FfpError *err) {
     FfpCapture *capture = ffp_alloc(1, sizeof *capture);
-    if (read_most(capture, path, values, err)) return capture;
+    if (read_most(capture, path, values, NULL, err)) return capture;
     ffp_free(capture);
     return NULL;
 }
@@ -137,6 +138,15 @@ FfpCapture *ffp_capture_load_devices(const char *path, bool sphere, FfpError *er
     if (read) ffp_capture_free(devices);
     if (!found) ffp_free(devices->patterns);
     ffp_free(devices);
+    return ffp_capture_load(path, err);
+}
+
+FfpCapture *ffp_capture_load_wanted(const char *path, const char *const *patterns, int n, FfpError *err) {
+    const FfpWanted wanted = {patterns, n};
+    FfpCapture *capture = ffp_alloc(1, sizeof *capture);
+    FfpError why = {0}; // as above
+    if (read_most(capture, path, 0, &wanted, &why)) return capture;
+    ffp_free(capture);
     return ffp_capture_load(path, err);
 }
 

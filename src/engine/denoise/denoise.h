@@ -8,7 +8,8 @@
 enum { FFP_PHOTOGRAPHS = 3 }; // of a view: black, white, active
 
 // Standard deviation of the noise, linear, of a value between 0 and 1; the same is taken for all values.
-// 0 where the views show too little of the object to tell.
+// 0 where the views show too little of the object to tell, or where it is below 0.0005: rounding to 8 bits
+// makes twice as much.
 //
 // A Laplacian takes smooth shading away and leaves noise and texture (Immerkaer 1996). Texture is one for all
 // photographs of a view, noise is not: of the nine values' covariance the smallest eigenvalue is the noise's

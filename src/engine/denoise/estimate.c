@@ -5,12 +5,13 @@
 #include "core/base/arena.h"
 #include "engine/denoise/stack.h"
 
-#define DARK 0.02    // values below it count little
-#define MOST 1000000 // pixels that are sampled, about
-#define ENOUGH 2000  // pixels that must remain while values are left out
-#define LEAST 200    // pixels below which nothing is said
-#define ROUNDS 10    // of leaving out outliers
-#define OUTLIER 3    // deviations
+#define DARK 0.02          // values below it count little
+#define MOST 1000000       // pixels that are sampled, about
+#define ENOUGH 2000        // pixels that must remain while values are left out
+#define LEAST 200          // pixels below which nothing is said
+#define ROUNDS 10          // of leaving out outliers
+#define OUTLIER 3          // deviations
+#define NOISE_LEAST 0.0005 // below which there is none
 
 typedef struct Samples {
     int64_t count;
@@ -194,5 +195,5 @@ double ffp_noise_estimate(const FfpCapture *capture, const int photographs[FFP_P
     const double noise = s.count < LEAST ? 0 : sqrt(smallest_variance(&s, n));
     ffp_free(s.edges);
     ffp_free(s.bright);
-    return noise;
+    return noise < NOISE_LEAST ? 0 : noise;
 }

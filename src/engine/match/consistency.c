@@ -22,10 +22,44 @@ static FfpDepthBounds hear(const real *depth, const real *trust, size_t width) {
     return out;
 }
 
+typedef struct Distance {
+    real square;
+    int view;
+} Distance;
+
+static int nearer_first(const void *a, const void *b) {
+    const Distance *x = a, *y = b;
+    if (x->square != y->square) return x->square < y->square ? -1 : 1;
+    return x->view - y->view;
+}
+
+static int ascending(const void *a, const void *b) {
+    return *(const int *)a - *(const int *)b;
+}
+
+FfpAsked ffp_asked(const FfpCapture *capture, int view) {
+    const int n = capture->n_views;
+    FfpAsked out = {.count = n < FFP_ASKED ? n : FFP_ASKED};
+    Distance *sorted = ffp_alloc((size_t)n, sizeof *sorted);
+    for (int v = 0; v < n; v++) {
+        const real *a = capture->views[view].camera.pose, *b = capture->views[v].camera.pose;
+        const real off[3] = {a[3] - b[3], a[7] - b[7], a[11] - b[11]};
+        sorted[v] = (Distance){v == view ? -1 : ffp_dot3(off, off), v};
+    }
+    qsort(sorted, (size_t)n, sizeof *sorted, nearer_first);
+    out.view[0] = view;
+    for (int k = 1; k < out.count; k++) out.view[k] = sorted[1 + (k - 1) * (n - 1) / (out.count - 1)].view;
+    qsort(out.view, (size_t)out.count, sizeof *out.view, ascending);
+    ffp_free(sorted);
+    return out;
+}
+
 FfpSupportViews ffp_support_views_new(const FfpDepths *depths) {
     const size_t width = (size_t)depths->width, views = (size_t)depths->capture->n_views;
     const int rows = depths->capture->n_views * depths->height;
-    FfpSupportViews out = {depths, ffp_alloc(views * (size_t)depths->height * width, sizeof(FfpDepthBounds))};
+    FfpSupportViews out = {depths, ffp_alloc(views, sizeof(FfpAsked)),
+                           ffp_alloc(views * (size_t)depths->height * width, sizeof(FfpDepthBounds))};
+    for (size_t v = 0; v < views; v++) out.asked[v] = ffp_asked(depths->capture, (int)v);
 #pragma omp parallel for schedule(static)
     for (int row = 0; row < rows; row++) {
         if (row % depths->height == depths->height - 1) continue; // nothing lies below
@@ -37,6 +71,7 @@ FfpSupportViews ffp_support_views_new(const FfpDepths *depths) {
 }
 
 void ffp_support_views_free(FfpSupportViews *support_views) {
+    ffp_free(support_views->asked);
     ffp_free(support_views->bounds);
     *support_views = (FfpSupportViews){0};
 }
@@ -98,7 +133,9 @@ FfpSupport ffp_support_at(const FfpSupportViews *support_views, int view, const 
                           real y, real z) {
     const FfpCapture *capture = support_views->depths->capture;
     FfpSupport out = {.coverage = 1};
-    for (int other = 0; other < capture->n_views; other++) {
+    const FfpAsked *asked = &support_views->asked[view];
+    for (int k = 0; k < asked->count; k++) {
+        const int other = asked->view[k];
         if (other == view) continue;
         const FfpLine line = ffp_line(camera, x, y, &capture->views[other].camera);
         ask(&out, support_views, other, &line, z);
@@ -149,14 +186,15 @@ static real free_until(const FfpSupportViews *support_views, int view, int x, in
                        FfpLine *lines) {
     const FfpCapture *capture = support_views->depths->capture;
     const real growth = 1 + 1 / capture->views[view].camera.fx;
-    for (int other = 0; other < capture->n_views; other++)
-        lines[other] = ffp_line(&capture->views[view].camera, (real)x + 0.5F, (real)y + 0.5F,
-                                &capture->views[other].camera);
+    const FfpAsked *asked = &support_views->asked[view];
+    for (int k = 0; k < asked->count; k++)
+        lines[k] = ffp_line(&capture->views[view].camera, (real)x + 0.5F, (real)y + 0.5F,
+                            &capture->views[asked->view[k]].camera);
     real z = range[0];
     for (int step = 0; step < FREE_STEPS && z < range[1]; step++) {
         FfpSupport support = {.coverage = 1};
-        for (int other = 0; other < capture->n_views; other++)
-            if (other != view) ask(&support, support_views, other, &lines[other], z);
+        for (int k = 0; k < asked->count; k++)
+            if (asked->view[k] != view) ask(&support, support_views, asked->view[k], &lines[k], z);
         if (!ffp_support_is_free_space(&support)) break;
         z *= growth;
     }
@@ -166,11 +204,10 @@ static real free_until(const FfpSupportViews *support_views, int view, int x, in
 void ffp_free_space(real *range, const FfpDepths *depths) {
     const FfpCapture *capture = depths->capture;
     FfpSupportViews support_views = ffp_support_views_new(depths);
-    const size_t views = (size_t)capture->n_views;
-    FfpLine *all = ffp_alloc((size_t)omp_get_max_threads() * views, sizeof *all);
+    FfpLine *all = ffp_alloc((size_t)omp_get_max_threads() * FFP_ASKED, sizeof *all);
 #pragma omp parallel
     {
-        FfpLine *lines = all + (size_t)omp_get_thread_num() * views;
+        FfpLine *lines = all + (size_t)omp_get_thread_num() * FFP_ASKED;
 #pragma omp for schedule(static)
         for (int row = 0; row < capture->n_views * depths->height; row++) {
             const int view = row / depths->height, y = row % depths->height;

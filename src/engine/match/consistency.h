@@ -19,8 +19,20 @@ typedef struct FfpDepthBounds {
     real low, high, trust;
 } FfpDepthBounds;
 
+#define FFP_ASKED 17 // views, the one that asks included
+
+// The views that are asked about points of a view, in ascending order. The view itself is one of them.
+typedef struct FfpAsked {
+    int count, view[FFP_ASKED];
+} FfpAsked;
+
+// All views, or, of more than FFP_ASKED, the view itself and others from the nearest to the farthest, evenly
+// by how many are nearer: the work for a view then does not grow with their number.
+FfpAsked ffp_asked(const FfpCapture *capture, int view);
+
 typedef struct FfpSupportViews {
     const FfpDepths *depths;
+    FfpAsked *asked;        // [views]
     FfpDepthBounds *bounds; // [views,h,w], at the upper left of the four pixels
 } FfpSupportViews;
 

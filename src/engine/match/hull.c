@@ -3,6 +3,7 @@
 #include <string.h>
 #include <tgmath.h>
 #include "core/base/arena.h"
+#include "engine/match/consistency.h"
 #include "engine/match/line.h"
 #include "engine/match/sweep.h"
 
@@ -51,7 +52,9 @@ void ffp_hull(unsigned char *inside, const FfpCapture *capture, int view, const 
     const FfpCamera *camera = &capture->views[view].camera;
     const size_t width = (size_t)foreground->width, count = (size_t)planes->count;
     memset(inside, 1, foreground->count * count);
-    for (int other = 0; other < capture->n_views; other++) {
+    const FfpAsked asked = ffp_asked(capture, view);
+    for (int k = 0; k < asked.count; k++) {
+        const int other = asked.view[k];
         if (other == view) continue;
         const FfpView *seer = &capture->views[other];
         unsigned char *wide = widen(seer);

@@ -12,14 +12,21 @@ static bool off_silhouette(const FfpView *view, real u, real v) {
     return view->coverage.data[(size_t)v * (size_t)view->coverage.width + (size_t)u] <= 0;
 }
 
+// A point of view `own`.
 static bool contradicted(const FfpSupportViews *support_views, const FfpProjectorRays *projector_rays,
-                         const real point[3]) {
+                         const real point[3], int own) {
     const FfpDepths *depths = support_views->depths;
+    const FfpAsked *asked = &support_views->asked[own];
     FfpSupport support = {.coverage = 1};
-    for (int v = 0; v < depths->capture->n_views; v++) {
+    real x, y;
+    for (int v = 0; v < depths->capture->n_views && !depths->capture->scene; v++)
+        if (ffp_project(&depths->capture->views[v].camera, point, &x, &y) > 0 &&
+            off_silhouette(&depths->capture->views[v], x, y))
+            return true;
+    for (int k = 0; k < asked->count; k++) {
+        const int v = asked->view[k];
         const FfpView *view = &depths->capture->views[v];
-        real x, y, z = ffp_project(&view->camera, point, &x, &y);
-        if (z > 0 && !depths->capture->scene && off_silhouette(view, x, y)) return true;
+        real z = ffp_project(&view->camera, point, &x, &y);
         if (z > 0) {
             const FfpDepthBounds bounds = ffp_depth_bounds_at(support_views, v, x, y);
             ffp_support_count(&support, &bounds, z, FFP_SUPPORT_SLACK * z / view->camera.fx);
@@ -33,11 +40,13 @@ static bool contradicted(const FfpSupportViews *support_views, const FfpProjecto
     return ffp_support_is_free_space(&support);
 }
 
-int64_t ffp_prune_contradicted(real *opacity, const real *centre, int64_t count, const FfpCapture *capture,
-                               const FfpInitialisation *start) {
-    if (start->reduced)
-        return ffp_prune_contradicted(opacity, centre, count, &start->reduced->capture,
-                                      &start->reduced->start);
+int64_t ffp_prune_contradicted(real *opacity, const real *centre, const int64_t *pixel, int64_t count,
+                               const FfpCapture *capture, const FfpInitialisation *start) {
+    const int64_t own_area = (int64_t)start->width * start->height;
+    if (start->reduced) {
+        capture = &start->reduced->capture;
+        start = &start->reduced->start;
+    }
     const size_t area = (size_t)start->width * (size_t)start->height, views = (size_t)start->views;
     FfpDepths depths = {capture, start->width, start->height, ffp_alloc(views * area, sizeof(real)),
                         start->confidence};
@@ -49,7 +58,8 @@ int64_t ffp_prune_contradicted(real *opacity, const real *centre, int64_t count,
     int64_t n_contradicted = 0;
 #pragma omp parallel for schedule(static) reduction(+ : n_contradicted)
     for (int64_t i = 0; i < count; i++) {
-        if (opacity[i] > 0 && contradicted(&support_views, projector_rays, centre + 3 * i)) {
+        const int own = (int)(pixel[i] / own_area);
+        if (opacity[i] > 0 && contradicted(&support_views, projector_rays, centre + 3 * i, own)) {
             opacity[i] = 0;
             n_contradicted++;
         }

@@ -60,11 +60,12 @@ static void put(Layer *layer, const Arrival *point, real slack, bool only_neares
 void ffp_fill_from_others(real *out, const FfpDepths *depths, const real *normals, int view) {
     const FfpCamera *camera = &depths->capture->views[view].camera;
     const size_t area = (size_t)depths->width * (size_t)depths->height;
-    const int views = depths->capture->n_views;
-    Arrival *points = ffp_alloc(area * (size_t)(views > 1 ? views - 1 : 1), sizeof *points);
+    const FfpAsked asked = ffp_asked(depths->capture, view);
+    Arrival *points = ffp_alloc(area * (size_t)asked.count, sizeof *points);
     size_t count = 0;
-    for (int giver = 0; giver < views; giver++)
-        if (giver != view) count += project_points(points + count, depths, normals, giver, camera);
+    for (int k = 0; k < asked.count; k++)
+        if (asked.view[k] != view)
+            count += project_points(points + count, depths, normals, asked.view[k], camera);
     const real *depth = depths->depth + (size_t)view * area, *trust = depths->trust + (size_t)view * area;
     Layer layer = {depths->width,
                    ffp_frame_width(&depths->capture->views[view]),

@@ -90,7 +90,9 @@ static void ask_projector(Said *said, const FfpUnlit *scene, const FfpUnlitRay *
 
 real ffp_unlit_cost(const FfpUnlit *scene, const FfpUnlitRay *ray, real z) {
     Said said = {0};
-    for (int other = 0; other < scene->depths->capture->n_views; other++) {
+    const FfpAsked *asked = &scene->support_views.asked[ray->view];
+    for (int k = 0; k < asked->count; k++) {
+        const int other = asked->view[k];
         if (other != ray->view) ask_camera(&said, scene, ray, other, z);
         ask_projector(&said, scene, ray, other, z);
     }
@@ -107,7 +109,9 @@ FfpUnlitRay ffp_unlit_ray(const FfpUnlit *scene, int view, size_t pixel, FfpLine
     const size_t width = (size_t)scene->depths->width, area = width * (size_t)scene->depths->height;
     const size_t views = (size_t)capture->n_views;
     const real x = (real)(pixel % width) + 0.5F, y = (real)(pixel / width) + 0.5F;
-    for (size_t other = 0; other < views; other++) {
+    const FfpAsked *asked = &scene->support_views.asked[view];
+    for (int k = 0; k < asked->count; k++) {
+        const size_t other = (size_t)asked->view[k];
         lines[other] = ffp_line(camera, x, y, &capture->views[other].camera);
         lines[views + other] = ffp_line(camera, x, y, &capture->views[other].projector);
     }

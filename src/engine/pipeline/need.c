@@ -132,16 +132,16 @@ double ffp_reconstruction_bytes(const FfpProblemSize *s) {
     const double photographs = s->denoise ? photograph_bytes(s) : 0, splats = SPLAT * splats_of(s);
     double matching;
     const double start = start_bytes(s, &matching);
-    const double after = splats + fmax(network_bytes(s), polish_bytes(s));
-    const double kept = photographs + start;
-    const double most = fmax(photographs + (s->denoise ? denoise_bytes(s) : 0), kept + fmax(matching, after));
-    return ROOM * most;
+    const double network = splats + network_bytes(s), polish = splats + polish_bytes(s);
+    const double most = fmax(s->denoise ? denoise_bytes(s) : 0, start + fmax(matching, network));
+    return ROOM * (photographs + fmax(most, s->scene ? start + polish : polish)); // which needs no start else
 }
 
 FfpProblemSize ffp_problem_size(const FfpCapture *capture, const FfpReconstruction *options) {
     const FfpRenderSettings drawing = ffp_drawing_settings(options->drawing, options->model);
     FfpProblemSize s = {.views = capture->n_views,
                         .photographs = 2 + (options->n_patterns > 1 ? options->n_patterns : 1),
+                        .scene = capture->scene,
                         .denoise = options->noise != 0,
                         .polish = options->polish != 0,
                         .pattern =

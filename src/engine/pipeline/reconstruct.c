@@ -26,6 +26,7 @@ _Static_assert(FFP_POLISH_STEPS == FFP_POLISH_DEFAULT_STEPS, "one number, in two
 
 #define NETWORK_LOSS_MAX 1 // dB against the classical initialisation
 #define POLISH_VIEWS 8     // up to which the polish has FFP_POLISH_STEPS
+#define VIEWS_SCORED 16    // to see whether the network misleads
 #define FEW_VIEWS 4        // fewer than these leave sides of any object out
 #define SPLATS_ALL 200000  // that are kept where nobody says how many,
 #define LAYERS_OF_MORE 2   // and of more
@@ -79,12 +80,20 @@ static bool predict_by_network(Work *w, const FfpModel *model, FfpError *err) {
     return ok;
 }
 
-// PSNR on the photographs that the reconstruction is made from.
+// PSNR on the photographs that the reconstruction is made from, of VIEWS_SCORED views if there are more.
 static double score(const Work *w, const FfpGaussians *gaussians, const int64_t *pixel,
                     const FfpReconstruction *options) {
     const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, options->model);
     const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, pixel};
-    return ffp_pyramid_psnr(gaussians, &origin, &w->capture, w->photographs, w->n_photographs, &settings);
+    FfpView views[VIEWS_SCORED];
+    FfpCapture some = w->capture;
+    for (int k = 0; k < VIEWS_SCORED && some.n_views > VIEWS_SCORED; k++)
+        views[k] = some.views[k * some.n_views / VIEWS_SCORED];
+    if (some.n_views > VIEWS_SCORED) {
+        some.views = views;
+        some.n_views = VIEWS_SCORED;
+    }
+    return ffp_pyramid_psnr(gaussians, &origin, &some, w->photographs, w->n_photographs, &settings);
 }
 
 // Keeps the classical initialisation where the network shows the photographs clearly worse than it. A small
@@ -189,12 +198,21 @@ static void thin(Work *w, const FfpReconstruction *options) {
     ffp_thin(&w->result, w->pixel, &w->padded, w->start.confidence, layers);
 }
 
+// Of the start the polish needs no more than its size.
+static void forget_maps(FfpInitialisation *start) {
+    const FfpInitialisation size = {.views = start->views, .width = start->width, .height = start->height};
+    ffp_initialisation_free(start);
+    *start = size;
+}
+
 static bool predict_and_polish(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats,
                                FfpError *err) {
     if (!predict(w, options, stats, err)) return false;
     const double begin = ffp_seconds();
-    ffp_prune_contradicted(w->result.opacity, w->result.centre, w->result.count, &w->padded, &w->start);
+    ffp_prune_contradicted(w->result.opacity, w->result.centre, w->pixel, w->result.count, &w->padded,
+                           &w->start);
     thin(w, options);
+    if (!w->capture.scene) forget_maps(&w->start);
     if (options->polish != 0 && w->result.count > 0 && !polish(w, options, stats, err)) return false;
     if (w->capture.scene) ffp_margins_add(&w->result, &w->padded, &w->start);
     stats->polish_s = ffp_seconds() - begin;

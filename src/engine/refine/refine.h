@@ -55,7 +55,7 @@ FfpRefineSettings ffp_polish_defaults(int64_t steps);
 
 // Of a pair's views that have no more pixels than these each is looked at by a thread of its own where there
 // are two or three, with buffers of its own.
-enum { FFP_AT_ONCE_PIXELS = 192 * 192 };
+enum { FFP_AT_ONCE_PIXELS = 512 * 512 };
 
 typedef struct FfpRefineResult {
     int64_t steps, gaussians;

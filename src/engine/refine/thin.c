@@ -4,6 +4,7 @@
 #include "core/base/vec.h"
 #include "engine/refine/parameters.h"
 
+enum { AT_ONCE = 8192 };
 #define SLACK 1.5F  // footprints off another splat's plane within which a centre lies on the same surface
 #define FACING 0.5F // least cosine between normals of one surface
 #define STEEP 0.1F  // least cosine of incidence that counts
@@ -127,10 +128,11 @@ static real described_in(const Thinning *t, int64_t splat, int view) {
     return sum;
 }
 
-static real described(const Thinning *t, int64_t splat) {
+// In all other views, or as soon as it is `enough`.
+static real described(const Thinning *t, int64_t splat, real enough) {
     const int own = (int)(t->pixel[splat] / t->area);
     real sum = 0;
-    for (int v = 0; v < t->capture->n_views; v++)
+    for (int v = 0; v < t->capture->n_views && sum < enough; v++)
         if (v != own) sum += described_in(t, splat, v);
     return sum;
 }
@@ -141,7 +143,16 @@ static int finer_first(const void *a, const void *b) {
     return x->splat < y->splat ? -1 : x->splat > y->splat;
 }
 
-// One after the other, because whether a splat stays depends on which finer ones do.
+// Which of up to AT_ONCE candidates stay: one after the other, because that depends on which finer ones do,
+// but what those before them all leave out needs no turn.
+static void choose_some(Thinning *t, const Candidate *candidates, size_t count, real layers) {
+    bool out[AT_ONCE];
+#pragma omp parallel for schedule(static)
+    for (size_t i = 0; i < count; i++) out[i] = described(t, candidates[i].splat, layers) >= layers;
+    for (size_t i = 0; i < count; i++)
+        t->kept[candidates[i].splat] = !out[i] && described(t, candidates[i].splat, layers) < layers;
+}
+
 static void choose(Thinning *t, double layers) {
     const int64_t pixels = t->area * t->capture->n_views;
     Candidate *candidates = ffp_alloc((size_t)t->gaussians->count + 1, sizeof *candidates);
@@ -149,10 +160,9 @@ static void choose(Thinning *t, double layers) {
     for (int64_t p = 0; p < pixels; p++)
         if (t->at[p] >= 0) candidates[count++] = (Candidate){t->pieces[t->at[p]].area, t->at[p]};
     if (layers > 0) qsort(candidates, count, sizeof *candidates, finer_first);
-    for (size_t i = 0; i < count; i++) {
-        const int64_t splat = candidates[i].splat;
-        t->kept[splat] = !(layers > 0) || described(t, splat) < (real)layers;
-    }
+    for (size_t i = 0; i < count && layers > 0; i += AT_ONCE)
+        choose_some(t, candidates + i, count - i < AT_ONCE ? count - i : AT_ONCE, (real)layers);
+    for (size_t i = 0; i < count && !(layers > 0); i++) t->kept[candidates[i].splat] = true;
     ffp_free(candidates);
 }
 
@@ -162,7 +172,7 @@ static void widen(const Thinning *t, real *scale) {
 #pragma omp parallel for schedule(static)
     for (int64_t i = 0; i < t->gaussians->count; i++) {
         if (!t->kept[i]) continue;
-        const real alone = 1 - fmin(described(t, i), 1), width = t->pieces[i].width;
+        const real alone = 1 - fmin(described(t, i, 1), 1), width = t->pieces[i].width;
         const real tilt = fmin(t->pieces[i].area / (width * width), WIDEST_TILT);
         const real wider = pow(WIDER * sqrt(tilt), alone);
         for (int c = 0; c < 3; c++) scale[3 * i + c] *= c == t->pieces[i].axis ? 1 : wider;

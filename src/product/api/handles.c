@@ -18,19 +18,31 @@ typedef struct OpenCapture {
     const char *path;
     bool devices; // photographs stay in their files
     bool sphere;
+    bool wanted; // the photographs under these patterns
+    const char *const *patterns;
+    int n_patterns;
     FfpCapture *capture;
 } OpenCapture;
 
 static bool open_capture(void *argument, FfpError *err) {
     OpenCapture *call = argument;
     call->capture = call->devices ? ffp_capture_load_devices(call->path, call->sphere, err)
-                                  : ffp_capture_load(call->path, err);
+                    : call->wanted
+                        ? ffp_capture_load_wanted(call->path, call->patterns, call->n_patterns, err)
+                        : ffp_capture_load(call->path, err);
     return call->capture != NULL;
 }
 
 FfpCapture *ffp_capture_open(FfpContext *context, const char *path, FfpError *err) {
     OpenCapture call = {.path = path};
     if (!ffp_need(path, "path", err)) return NULL;
+    return ffp_call_run(context, open_capture, &call, err) ? call.capture : NULL;
+}
+
+FfpCapture *ffp_capture_open_wanted(FfpContext *context, const char *path, const char *const *patterns,
+                                    int n_patterns, FfpError *err) {
+    OpenCapture call = {.path = path, .wanted = true, .patterns = patterns, .n_patterns = n_patterns};
+    if (!ffp_need(path, "path", err) || !ffp_need_texts(patterns, n_patterns, "patterns", err)) return NULL;
     return ffp_call_run(context, open_capture, &call, err) ? call.capture : NULL;
 }
 

@@ -498,6 +498,39 @@ static void a_missing_photograph_is_told_when_it_is_read(void **state) {
     assert_int_equal(rename(away, there), 0);
 }
 
+// What a reconstruction looks at is as reading all of it gives it, and the rest is not there.
+static void what_is_not_wanted_is_not_read(void **state) {
+    (void)state;
+    FfpError err;
+    const char *const named[1] = {"earth"};
+    for (int n = 0; n < 2; n++) { // "dots", which all views have and which is not novel, where none is named
+        FfpCapture whole, *part = ffp_capture_load_wanted(in_scratch("scene.json"), named, n, &err);
+        if (!part || !ffp_capture_read(&whole, in_scratch("scene.json"), &err)) fail_msg("%s", err.text);
+        const int left_out = ffp_capture_find_pattern(&whole, n ? "dots" : "earth");
+        for (int v = 0; v < 2; v++) {
+            assert_same_image(&part->views[v].coverage, &whole.views[v].coverage, 0);
+            assert_null(part->views[v].images[left_out].data);
+            assert_non_null(whole.views[0].images[left_out].data);
+            for (int p = 0; p < whole.n_patterns; p++) {
+                const FfpImage *image = &whole.views[v].images[p];
+                if (p != left_out && image->data) assert_same_image(&part->views[v].images[p], image, 0);
+                assert_non_null(part->patterns[whole.white].image.data);
+            }
+        }
+        ffp_capture_free(part);
+        ffp_free(part);
+        ffp_capture_free(&whole);
+    }
+    assert_null(ffp_capture_load_wanted(in_scratch("nothing.json"), NULL, 0, &err));
+    assert_non_null(strstr(err.text, "nothing.json"));
+    // Without bounds all photographs are looked at for them.
+    FfpCapture *poses = ffp_capture_load_wanted(FFP_SOURCE_DIR "/data/sample", NULL, 0, &err);
+    if (!poses) fail_msg("%s", err.text);
+    for (int p = 0; p < poses->n_patterns; p++) assert_non_null(poses->views[0].images[p].data);
+    ffp_capture_free(poses);
+    ffp_free(poses);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scene_is_read),
@@ -518,6 +551,7 @@ int main(void) {
         cmocka_unit_test(sculpture_is_consistent),
         cmocka_unit_test(photographs_come_from_their_files_when_asked_for),
         cmocka_unit_test(a_missing_photograph_is_told_when_it_is_read),
+        cmocka_unit_test(what_is_not_wanted_is_not_read),
     };
     return cmocka_run_group_tests(tests, make_capture_files, scratch_teardown);
 }

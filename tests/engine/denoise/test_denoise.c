@@ -119,6 +119,25 @@ static void noise_is_estimated(void **state) {
     }
 }
 
+// Of plain photographs; below half of what rounding makes there is none.
+static void hardly_any_noise_is_none(void **state) {
+    (void)state;
+    const double levels[2] = {0.0004, 0.001};
+    for (int n = 0; n < 2; n++) {
+        FfpRng rng = ffp_rng(5, 1);
+        for (int v = 0; v < capture.n_views; v++)
+            for (int p = 0; p < FFP_PHOTOGRAPHS; p++) {
+                FfpImage *image = &capture.views[v].images[photographs[p]];
+                for (int i = 0; i < 3 * image->width * image->height; i++)
+                    image->data[i] = capture.views[v].coverage.data[i / 3] *
+                                     (0.2F + 0.3F * (real)p + (real)levels[n] * ffp_rng_normal(&rng));
+            }
+        const double found = ffp_noise_estimate(&capture, photographs);
+        printf("noise of %.4f: estimated %.5f\n", levels[n], found);
+        assert_float_equal(found, n ? levels[n] : 0, n ? 0.2 * levels[n] : 0);
+    }
+}
+
 static void noise_is_taken_away(void **state) {
     (void)state;
     make_noisy(0.01);
@@ -208,6 +227,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(eigenvectors_make_the_matrix),
         cmocka_unit_test(noise_is_estimated),
+        cmocka_unit_test(hardly_any_noise_is_none),
         cmocka_unit_test(noise_is_taken_away),
         cmocka_unit_test(threads_make_no_difference),
         cmocka_unit_test(a_view_without_a_photograph_is_left_alone),

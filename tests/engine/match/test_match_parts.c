@@ -205,12 +205,38 @@ static void test_projector_rays(void **state) {
     ffp_projector_rays_free(&projector_rays);
 }
 
+// Of forty views on a ring those that are asked are spread around it, the neighbours among them; of a few,
+// all.
+static void test_asked(void **state) {
+    (void)state;
+    enum { N = 40 };
+    FfpView views[N];
+    for (int v = 0; v < N; v++) {
+        const real turn = 2 * (real)acos(-1) * (real)v / N;
+        views[v] = (FfpView){.camera = camera_at(3 * sinf(turn), 0, 3 * cosf(turn), 20, 16)};
+    }
+    const FfpCapture few = {.n_views = FFP_ASKED, .views = views}, many = {.n_views = N, .views = views};
+    const FfpAsked all = ffp_asked(&few, 5), some = ffp_asked(&many, 5);
+    assert_int_equal(all.count, FFP_ASKED);
+    assert_int_equal(some.count, FFP_ASKED);
+    int near = 0, far = 0;
+    for (int k = 0; k < FFP_ASKED; k++) {
+        assert_int_equal(all.view[k], k);
+        assert_true(k == 0 || some.view[k] > some.view[k - 1]);
+        near += some.view[k] >= 4 && some.view[k] <= 6;
+        far += some.view[k] >= 20 && some.view[k] <= 30;
+    }
+    assert_true(near >= 2 && near <= 3 && far >= 3 && far <= 6);
+    assert_true(some.view[0] <= 5 && some.view[FFP_ASKED - 1] < N);
+}
+
 // A splat on a matched plane or behind it stays; one before it, or off the silhouette, loses its opacity.
 static void test_refute(void **state) {
     (void)state;
     enum { W = 20, H = 16 };
     real footprint[W * H], trust[W * H], coverage[W * H], centre[5][3],
         opacity[5] = {0.9F, 0.9F, 0.9F, 0.9F, 0.9F};
+    const int64_t pixel[5] = {0, 0, 0, 0, 0};
     FfpView view = {.camera = camera_at(0, 0, -3, W, H), .projector = camera_at(0.6F, 0, -3, 2 * W, 2 * H)};
     view.coverage = (FfpImage){.width = W, .height = H, .channels = 1, .data = coverage};
     const FfpCapture capture = {.n_views = 1, .views = &view, .radius = 1};
@@ -223,7 +249,7 @@ static void test_refute(void **state) {
         .views = 1, .width = W, .height = H, .confidence = trust, .footprint = footprint};
     static const real place[5][2] = {{5, 3}, {5, 3.5F}, {5, 2.6F}, {18, 3}, {15, 2.9F}};
     for (int i = 0; i < 5; i++) ffp_point_at(&view.camera, place[i][0], 8, place[i][1], centre[i]);
-    assert_int_equal(ffp_prune_contradicted(opacity, centre[0], 5, &capture, &start), 2);
+    assert_int_equal(ffp_prune_contradicted(opacity, centre[0], pixel, 5, &capture, &start), 2);
     static const bool stays[5] = {true, true, false, false, true};
     for (int i = 0; i < 5; i++) assert_true(opacity[i] == (stays[i] ? 0.9F : 0));
     // By silhouettes alone, of two views.
@@ -287,6 +313,7 @@ int main(void) {
                                        cmocka_unit_test(test_fill_is_harmonic),
                                        cmocka_unit_test(test_semi_global),
                                        cmocka_unit_test(test_projector_rays),
+                                       cmocka_unit_test(test_asked),
                                        cmocka_unit_test(test_refute),
                                        cmocka_unit_test(test_a_surface_without_a_share)};
     return cmocka_run_group_tests(tests, NULL, NULL);
