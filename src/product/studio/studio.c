@@ -55,7 +55,7 @@ bool ffp_studio_run(const FfpStudioOptions *options, char *error, size_t size) {
         studio->port = options->port;
         pthread_mutex_init(&studio->lock, NULL);
         ok = prepare(studio, options, said) && ffp_studio_serve(studio, !options->stays_closed, said);
-        json_decref(studio->settings);
+        json_decref(studio->settings), json_decref(studio->listed);
         const int open_files[] = {studio->root, studio->lock_file, studio->changes};
         for (int i = 0; i < 3; i++)
             if (open_files[i] >= 0) close(open_files[i]);
