@@ -484,8 +484,7 @@ static void check_pattern(Page *page, const FfpCapture *capture, const Light *li
     if (mirrored)
         fprintf(page->out,
                 "       -> it fits when mirrored %s (%.3f): the projector, the pattern's file or all "
-                "photographs are "
-                "mirrored; import again without that\n",
+                "photographs are mirrored; import again without that\n",
                 ways[mirror], found.mirrored[mirror]);
     if (moved)
         fprintf(page->out,

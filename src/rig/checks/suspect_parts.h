@@ -23,10 +23,11 @@ bool ffp_rig_suspect_light(const FfpCapture *capture, int active, FfpError *err)
 // exchanged, and in one view another view's photograph.
 bool ffp_rig_suspect_pattern(const FfpCapture *capture, int active, FfpError *err);
 
+// A message, with the way: "left to right" or "upside down".
 #define FFP_RIG_ALL_MIRRORED                                                                                 \
     "all photographs are mirrored %s: the camera's program shows them as in a mirror; switch that off, or "  \
-    "mirror "                                                                                                \
-    "the files, and import again"
+    "mirror the files, and import again"
+
 // The error of structured light (ffp_rig_guess, over all views) when all photographs are mirrored back; NAN:
 // too few pixels are lit.
 double ffp_rig_error_mirrored_back(const FfpCapture *capture, int active, FfpRigMishap mishap);
