@@ -8,9 +8,8 @@
 #define WELL 0.06     // error of colours that are looked up rightly, at most: no more questions then
 #define EXPLAINED 0.7 // of what chance explains: less is an explanation
 #define BETTER 0.6    // of the error as it is: what explains so much better is right
-#define CLEARLY                                                                                              \
-    0.8       // of the error of a mirrored pattern: photographs that are mirrored explain so much better
-#define ODD 2 // times the others' median: a view that disagrees
+#define CLEARLY 0.8   // of a mirrored pattern's error: what mirrored photographs must explain so much better
+#define ODD 2         // times the others' median: a view that disagrees
 #define THIRDS 4
 
 // Root mean square over all views of a guess at the photographs under `active`.
