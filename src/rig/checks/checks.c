@@ -468,6 +468,13 @@ static void check_pattern(Page *page, const FfpCapture *capture, const Light *li
         advise(page, "depth requires such a pattern: take one more picture at each stop");
         return;
     }
+    if (found.error < FFP_RIG_SHOWN && !ffp_rig_tells(capture, active)) {
+        line(page, true, "pattern",
+             "'%s' explains the pictures with error %.3f, but cannot tell whether poses are right: every ray "
+             "meets all of its colours (%d pixels)",
+             capture->patterns[active].name, found.error, found.pixels);
+        return;
+    }
     int mirror = 0;
     for (int k = 1; k < 3; k++) mirror = found.mirrored[k] < found.mirrored[mirror] ? k : mirror;
     const bool mirrored = found.mirrored[mirror] < FITS * found.error;
@@ -511,7 +518,8 @@ static void put_views(const Page *page, const FfpCapture *capture, int a, const 
 
 static void check_surfaces(Page *page, const FfpCapture *capture) {
     const int active = ffp_capture_active_pattern(capture, NULL, NULL);
-    const FfpSlip found = active >= 0 ? ffp_rig_slip(capture, active) : (FfpSlip){0};
+    if (active < 0 || !ffp_rig_tells(capture, active)) return; // nor what depths are
+    const FfpSlip found = ffp_rig_slip(capture, active);
     if (found.compared == 0) return;
     line(page, found.pairs == 0, "surfaces", "those of %d of %d pairs of neighbouring views lie apart",
          found.pairs, found.compared);

@@ -45,12 +45,13 @@ void ffp_rig_silhouettes_free(FfpSilhouettes *silhouettes);
 
 // How the pattern explains the active pictures of a capture. Errors are root mean squares of
 // (C - B) / (W - B) - pattern, per channel in linear values, with each pixel's best depth in the object's
-// sphere; they are small when poses, lenses, sizes and pattern file are right, and near `chance` when they
-// are not.
+// sphere, or in views with correspondences the depth that these give; they are small when poses, lenses,
+// sizes and pattern file are right, and near `chance` when they are not.
 typedef struct FfpExplanation {
     int pixels;    // looked at; 0: no lit pixels, and nothing below holds
     double error;  // as the capture is
-    double chance; // with the pattern moved by a third, wrapped round its edges: least of four directions
+    double chance; // with the pattern moved by a third, wrapped round its edges: least of four directions;
+                   // in views with correspondences the error of a constant
     double best;   // least error with the pattern moved a little across the epipolar lines, and
     double across; // by how many of its pixels along
     double direction[2]; // in the first view
@@ -67,8 +68,15 @@ typedef struct FfpGuess {
     int mirror;                 // bit 0: left to right, bit 1: upside down
     int third;                  // 1 to 4: moved by a third of the pattern to one of four sides; 0: not moved
     bool reversed;              // red and blue exchanged
+    bool ideal;                 // not the photograph, but a flawless one of the lit pixels
 } FfpGuess;
 // The root mean square error of that in one view, of up to 80 of its pixels; NAN if fewer than 16 are lit.
 double ffp_rig_guess(const FfpCapture *capture, const FfpView *view, const FfpGuess *guess);
+
+// Whether the photographs under a pattern can tell right poses from wrong ones. Those of stripes cannot: each
+// ray meets all of their colours, wherever the pattern is; unless correspondences say where to look.
+bool ffp_rig_tells(const FfpCapture *capture, int pattern);
+// The error up to which photographs under a pattern that cannot tell may show it.
+#define FFP_RIG_SHOWN 0.12
 
 #endif

@@ -6,6 +6,7 @@
 #include "core/base/call.h"
 #include "core/image/lookup.h"
 #include "core/numerics/rank.h"
+#include "engine/match/coded.h"
 #include "rig/checks/checks.h"
 #include "rig/masks/chord.h"
 
@@ -21,6 +22,8 @@
 #define ODD 0.93       // of a view's own error: a shift that leaves less explains it
 #define WORSE 2.5      // times the median error of the views
 #define ODD_MOST 3     // one of so many views that are lit may be odd
+#define CODE_OFF 4     // pattern pixels that a ray may pass its correspondence by
+#define TELLS 0.06     // error of flawless photographs under a pattern that was moved: less tells nothing
 enum { VARIANTS = MIRRORS + SHIFTS + FAR };
 
 typedef struct Variant {
@@ -32,6 +35,8 @@ typedef struct Variant {
 typedef struct Sample { // a lit pixel
     real colour[3];
     FfpChord chord;
+    int depths;    // on the chord: DEPTHS, 1 where a correspondence gives it, 0 where none agrees with that
+    real usual[3]; // with correspondences: the mean colour of the view's samples
 } Sample;
 
 static void make_variants(int width, Variant variants[VARIANTS]) {
@@ -44,8 +49,20 @@ static void make_variants(int width, Variant variants[VARIANTS]) {
     for (int i = 0; i < FAR; i++) variants[MIRRORS + SHIFTS + i] = (Variant){.far = i + 1};
 }
 
-static bool make_sample(const FfpCapture *capture, const FfpView *view, const FfpImage *photograph, size_t i,
-                        Sample *sample) {
+// Reduces the chord of a pixel that has a correspondence to the depth that this gives.
+static bool place_sample(const FfpView *view, size_t i, Sample *sample) {
+    const real *pose = view->camera.pose, *d = sample->chord.direction;
+    real off = 0;
+    const real z = ffp_coded_depth(view, i, &off);
+    if (!(view->correspondence.data[3 * i + 2] > 0)) return false;
+    sample->depths = z > 0 && off <= CODE_OFF;
+    sample->chord.near = sample->chord.far = z / (d[0] * pose[2] + d[1] * pose[6] + d[2] * pose[10]);
+    return true;
+}
+
+// Of a pixel that is lit and, if `coded`, has a correspondence.
+static bool make_sample(const FfpCapture *capture, const FfpView *view, const FfpImage *photograph,
+                        bool coded, size_t i, Sample *sample) {
     const real *black = view->images[capture->black].data + 3 * i,
                *white = view->images[capture->white].data + 3 * i;
     const real *seen = photograph->data + 3 * i;
@@ -54,22 +71,48 @@ static bool make_sample(const FfpCapture *capture, const FfpView *view, const Ff
         if (!(white[c] - black[c] > LIT) || white[c] > 0.98F) return false; // a clipped pixel tells no ratio
         sample->colour[c] = (seen[c] - black[c]) / (white[c] - black[c]);
     }
-    return ffp_chord(capture, &view->camera, i, &sample->chord);
+    sample->depths = DEPTHS;
+    return ffp_chord(capture, &view->camera, i, &sample->chord) && (!coded || place_sample(view, i, sample));
 }
 
-// Evenly strided lit pixels of a view, up to `most`.
+static size_t count_samples(const FfpCapture *capture, const FfpView *view, const FfpImage *photograph,
+                            bool coded) {
+    const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
+    Sample sample;
+    size_t count = 0;
+    for (size_t i = 0; i < pixels; i++) count += make_sample(capture, view, photograph, coded, i, &sample);
+    return count;
+}
+
+// Evenly strided lit pixels of a view, up to `most`; those with correspondences, if there are enough.
 static int collect(const FfpCapture *capture, const FfpView *view, const FfpImage *photograph, int most,
                    Sample *samples) {
     const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
-    Sample sample;
-    size_t lit = 0, seen = 0;
+    bool coded = view->correspondence.data;
+    size_t lit = coded ? count_samples(capture, view, photograph, true) : 0, seen = 0;
     int count = 0;
-    for (size_t i = 0; i < pixels; i++) lit += make_sample(capture, view, photograph, i, &sample);
+    coded = lit >= PIXELS_LEAST;
+    if (!coded) lit = count_samples(capture, view, photograph, false);
     const size_t step = lit / (size_t)most + 1;
     for (size_t i = 0; i < pixels && count < most; i++) {
-        if (make_sample(capture, view, photograph, i, &samples[count]) && seen++ % step == 0) count++;
+        if (make_sample(capture, view, photograph, coded, i, &samples[count]) && seen++ % step == 0) count++;
     }
     return count;
+}
+
+// What a constant explains. With correspondences it stands for chance: stripes may look the same elsewhere.
+static void set_usual(Sample *samples, int n) {
+    double sum[3] = {0};
+    for (int i = 0; i < n; i++)
+        for (int c = 0; c < 3; c++) sum[c] += (double)samples[i].colour[c];
+    for (int i = 0; i < n; i++)
+        for (int c = 0; c < 3; c++) samples[i].usual[c] = (real)(sum[c] / n);
+}
+
+static double squared_difference(const real a[3], const real b[3]) {
+    double sum = 0;
+    for (int c = 0; c < 3; c++) sum += pow((double)(a[c] - b[c]), 2) / 3;
+    return sum;
 }
 
 // How many pattern pixels one camera pixel covers, side by side, at the object's centre.
@@ -115,18 +158,20 @@ static void vary(const Variant *variant, const FfpSummed *pattern, const double 
 // Mean square of a pixel's best depth, for each of n variants.
 static void judge(const FfpView *view, const FfpSummed *pattern, const Sample *sample,
                   const Variant *variants, int n, const double across[2], real side, double *best) {
-    for (int k = 0; k < n; k++) best[k] = ERROR_MAX;
-    for (int d = 0; d < DEPTHS; d++) {
+    for (int k = 0; k < n; k++) {
+        const bool constant = variants[k].far > 0 && sample->depths < DEPTHS;
+        best[k] = constant ? fmin(ERROR_MAX, squared_difference(sample->usual, sample->colour)) : ERROR_MAX;
+    }
+    for (int d = 0; d < sample->depths; d++) {
         real point[3], u, v;
-        ffp_chord_point(&sample->chord, d, DEPTHS, point);
+        ffp_chord_point(&sample->chord, d, sample->depths, point);
         if (!(ffp_project(&view->projector, point, &u, &v) > 0)) continue;
         for (int k = 0; k < n; k++) {
             real colour[3], x = u, y = v;
-            double sum = 0;
+            if (variants[k].far > 0 && sample->depths < DEPTHS) continue;
             vary(&variants[k], pattern, across, &x, &y);
             ffp_lookup(pattern, x, y, side, side, colour);
-            for (int c = 0; c < 3; c++) sum += pow((double)(colour[c] - sample->colour[c]), 2) / 3;
-            best[k] = fmin(best[k], sum);
+            best[k] = fmin(best[k], squared_difference(colour, sample->colour));
         }
     }
 }
@@ -140,6 +185,7 @@ static int look_at_view(const FfpCapture *capture, const FfpView *view, const Ff
     const real side = footprint(capture, view);
     double across[2];
     across_line(capture, view, across);
+    set_usual(samples, n);
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < n; i++) judge(view, summed, &samples[i], variants, VARIANTS, across, side, best[i]);
     for (int i = 0; i < n; i++) {
@@ -228,6 +274,14 @@ static void reverse_channels(Sample *sample) {
     sample->colour[2] = red;
 }
 
+// What a flawless photograph shows of a surface in the middle of the chord.
+static void idealise(const FfpView *view, const FfpSummed *pattern, real side, Sample *sample) {
+    real point[3], u, v;
+    ffp_chord_point(&sample->chord, 0, 1, point);
+    if (ffp_project(&view->projector, point, &u, &v) > 0)
+        ffp_lookup(pattern, u, v, side, side, sample->colour);
+}
+
 double ffp_rig_guess(const FfpCapture *capture, const FfpView *view, const FfpGuess *guess) {
     static const double across[2] = {0, 0};
     const Variant variant = {.mirror = guess->mirror, .far = guess->third};
@@ -235,14 +289,38 @@ double ffp_rig_guess(const FfpCapture *capture, const FfpView *view, const FfpGu
     Sample *samples = ffp_alloc(PIXELS_A_GUESS, sizeof *samples);
     const int n = collect(capture, view, guess->photograph, PIXELS_A_GUESS, samples);
     double *best = ffp_take(PIXELS_A_GUESS, sizeof *best), sum = 0;
-#pragma omp parallel for schedule(static)
     for (int i = 0; i < n; i++) {
         if (guess->reversed) reverse_channels(&samples[i]);
-        judge(view, guess->pattern, &samples[i], &variant, 1, across, side, &best[i]);
+        if (guess->ideal) idealise(view, guess->pattern, side, &samples[i]);
     }
+    set_usual(samples, n);
+#pragma omp parallel for schedule(static)
+    for (int i = 0; i < n; i++) judge(view, guess->pattern, &samples[i], &variant, 1, across, side, &best[i]);
     for (int i = 0; i < n; i++) sum += best[i];
     ffp_free(best);
     ffp_free(samples);
     ffp_cancel_point();
     return n >= PIXELS_LEAST ? sqrt(sum / n) : NAN;
+}
+
+bool ffp_rig_tells(const FfpCapture *capture, int pattern) {
+    FfpSummed summed = ffp_summed_new(&capture->patterns[pattern].image);
+    double least = INFINITY;
+    for (int third = 1; third <= FAR; third++) {
+        double sum = 0;
+        int n = 0;
+        for (int v = 0; v < capture->n_views; v++) {
+            const FfpImage *photograph = &capture->views[v].images[pattern];
+            if (!photograph->data) continue;
+            const FfpGuess guess = {
+                .photograph = photograph, .pattern = &summed, .third = third, .ideal = true};
+            const double error = ffp_rig_guess(capture, &capture->views[v], &guess);
+            if (isnan(error)) continue;
+            sum += error * error;
+            n++;
+        }
+        least = fmin(least, n > 0 ? sqrt(sum / n) : INFINITY);
+    }
+    ffp_summed_free(&summed);
+    return least >= TELLS;
 }

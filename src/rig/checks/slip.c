@@ -20,6 +20,7 @@
 #define APART_MOST 0.3F  // between surfaces that may be the same
 #define COARSE 0.1       // between surfaces: beyond it counts less and less; at first, and
 #define FINE 0.025       // in the end
+#define ACROSS 0.26F     // cosine of 75 degrees: cameras farther apart see what they share at grazing angles
 #define STEP 1e-3        // of the derivatives
 #define OVERLAP_LEAST 20 // pixels that both views see: fewer tell nothing,
 #define OVERLAP_SURE 40  // and fewer accuse nobody
@@ -50,9 +51,11 @@ typedef struct Pair {
 
 // --- Surfaces. ---
 
+// Correspondences, where a view has any, give the only depths that count.
 static bool is_lit(const FfpCapture *capture, const FfpView *view, size_t i) {
     const real *black = view->images[capture->black].data + 3 * i,
                *white = view->images[capture->white].data + 3 * i;
+    if (view->correspondence.data && !(view->correspondence.data[3 * i + 2] > 0)) return false;
     return view->coverage.data[i] >= 0.99F && white[0] - black[0] > LIT && white[1] - black[1] > LIT &&
            white[2] - black[2] > LIT;
 }
@@ -201,11 +204,21 @@ static void fit(Pair *pair) {
     if (pair->after > TURNED * shifted.after) *pair = shifted;
 }
 
+// Of two cameras' directions from the object's centre, which is the origin.
+static real cosine_between(const FfpCapture *capture, int first, int second) {
+    const real *a = capture->views[first].camera.pose, *b = capture->views[second].camera.pose;
+    real product = 0, squares[2] = {0};
+    for (int i = 3; i < 12; i += 4)
+        product += a[i] * b[i], squares[0] += a[i] * a[i], squares[1] += b[i] * b[i];
+    return product / (real)sqrt((double)(squares[0] * squares[1]));
+}
+
 static Pair pair_new(const FfpCapture *capture, const Surface *surfaces, int first, int second) {
     static const double none[NUMBERS] = {0};
     const FfpCamera *camera = &capture->views[0].camera;
     const size_t pixels = (size_t)camera->width * (size_t)camera->height;
     Pair out = {.capture = capture, .surfaces = surfaces, .view = {first, second}};
+    if (cosine_between(capture, first, second) < ACROSS) return out;
     for (int k = 0; k < 2; k++) {
         const Surface *surface = &surfaces[out.view[k]];
         size_t there = 0, seen = 0;

@@ -245,9 +245,11 @@ bool ffp_rig_suspect_pattern(const FfpCapture *capture, int active, FfpError *er
     FfpSummed pattern = ffp_summed_new(&capture->patterns[active].image);
     bool ok = true;
     const Odd odd = odd_view(capture, active, &pattern);
-    if (odd.usual >= WELL) {
-        const double error = error_of(capture, active, (FfpGuess){.pattern = &pattern}),
-                     chance = chance_of(capture, active, &pattern),
+    const double error = error_of(capture, active, (FfpGuess){.pattern = &pattern});
+    if (error < FFP_RIG_SHOWN && (odd.usual >= WELL || odd.view >= 0) && !ffp_rig_tells(capture, active)) {
+        // Stripes: every guess explains them.
+    } else if (odd.usual >= WELL) {
+        const double chance = chance_of(capture, active, &pattern),
                      enough = fmin(BETTER * error, EXPLAINED * chance);
         if (error > EXPLAINED * chance) {
             ok = try_all_views(capture, active, &pattern, enough, err);

@@ -309,6 +309,68 @@ static void test_a_scene_reaches_beyond_its_sphere(void **state) {
     assert_true(objects > 0 && scenes > objects);
 }
 
+// Photographs of a Gray code with 32 stripes in place of those of the active pattern, by the true depth, and
+// the correspondences that all codes would give.
+static void show_stripes(int active, bool coded) {
+    const int period = capture.patterns[active].image.width / 16;
+    FfpImage *pattern = &capture.patterns[active].image;
+    for (int i = 0; i < 3 * pattern->width * pattern->height; i++)
+        pattern->data[i] = (real)((i / 3 % pattern->width) / (period / 2) % 2);
+    FfpSummed summed = ffp_summed_new(pattern);
+    for (int v = 0; v < capture.n_views; v++) {
+        FfpView *view = &capture.views[v];
+        const int width = view->camera.width, height = view->camera.height;
+        if (coded) view->correspondence = ffp_image_new(width, height, 3);
+        for (int i = 0; i < width * height; i++) {
+            const real *black = view->images[capture.black].data + 3 * i,
+                       *white = view->images[capture.white].data + 3 * i, z = view->depth.data[i];
+            real ray[3], point[3], at[2], light[3];
+            const real cosine =
+                ffp_pixel_ray(&view->camera, (real)(i % width) + 0.5F, (real)(i / width) + 0.5F, ray);
+            for (int k = 0; k < 3; k++) point[k] = view->camera.pose[4 * k + 3] + z / cosine * ray[k];
+            ffp_project(&view->projector, point, &at[0], &at[1]);
+            ffp_lookup(&summed, at[0], at[1], 4, 4, light);
+            for (int c = 0; c < 3; c++)
+                view->images[active].data[3 * i + c] = black[c] + light[c] * (white[c] - black[c]);
+            if (!coded || !(z > 0)) continue;
+            real *known = view->correspondence.data + 3 * i;
+            known[0] = at[0], known[1] = at[1], known[2] = 1;
+        }
+    }
+    ffp_summed_free(&summed);
+}
+
+// Every ray meets all colours of stripes: without correspondences they tell nothing, and accuse nobody.
+static void test_stripes(void **state) {
+    (void)state;
+    const int active = ffp_capture_active_pattern(&capture, NULL, NULL);
+    show_stripes(active, false);
+    assert_int_equal(check(), 1); // the glaze that clips
+    assert_non_null(strstr(page, "ok   pattern"));
+    assert_non_null(strstr(page, "cannot tell whether poses are right"));
+    assert_false(ffp_rig_tells(&capture, active));
+    show_stripes(active, true);
+    assert_true(ffp_rig_tells(&capture, active));
+    assert_int_equal(check(), 1);
+    const FfpExplanation found = ffp_rig_explain(&capture, active);
+    assert_true(found.pixels > 1500 && found.error < 0.1 && found.chance > 0.3);
+}
+
+// With correspondences they tell as much as any pattern: that poses are wrong, and that others were shown.
+static void test_wrong_under_stripes(void **state) {
+    (void)state;
+    SAME_WAY_AGAIN();
+    const int active = ffp_capture_active_pattern(&capture, NULL, NULL);
+    FfpImage *pattern = &capture.patterns[active].image;
+    show_stripes(active, true);
+    for (int v = 0; v < capture.n_views; v++) capture.views[v].projector.cx += 40;
+    must_doubt("pattern", "no better than chance");
+    for (int v = 0; v < capture.n_views; v++) capture.views[v].projector.cx -= 40;
+    for (int i = 0; i < 3 * pattern->width * pattern->height; i++)
+        pattern->data[i] = (real)((i / 3 / pattern->width) / 20 % 2);
+    must_doubt("pattern", "another pattern was shown");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_good, setup, teardown),
@@ -329,6 +391,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_upside_down, setup, teardown),
         cmocka_unit_test_setup_teardown(test_light, setup, teardown),
         cmocka_unit_test_setup_teardown(test_few_views, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_stripes, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_wrong_under_stripes, setup, teardown),
         cmocka_unit_test_setup_teardown(test_a_scene_reaches_beyond_its_sphere, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
