@@ -65,6 +65,8 @@ static const Field train_fields[] = {
     {"truth_normal", DOUBLE, AT(truth_normal), 0, 1e4},
     {"truth_roughness", DOUBLE, AT(truth_roughness), 0, 1e4},
     {"perceptual_from", INT, AT(perceptual_from), 0, 1e9},
+    {"white_from", INT, AT(white_from), 0, 1e9},
+    {"active_from", INT, AT(active_from), 0, 1e9},
     {"learning_rate", DOUBLE, AT(learning_rate), 0, 1},
     {"final_learning_rate", DOUBLE, AT(final_learning_rate), 0, 1},
     {"beta1", DOUBLE, AT(beta1), 0, 0.99999},
@@ -225,12 +227,10 @@ static bool read_field(void *base, const Field *field, const json_t *value, cons
 
 // Fields of former versions are read where they say what is always so now: checkpoints of then hold them all.
 static bool is_former(const char *key, const json_t *value) {
-    static const char *const zero[] = {"low_steps", "white_from", "active_from", "warmup_geometry"};
     if (strcmp(key, "low_resolution") == 0) return true;
     if (strcmp(key, "single_scene") == 0) return json_is_false(value);
-    for (int i = 0; i < 4; i++)
-        if (strcmp(key, zero[i]) == 0) return json_is_integer(value) && json_integer_value(value) == 0;
-    return false;
+    return (strcmp(key, "low_steps") == 0 || strcmp(key, "warmup_geometry") == 0) && json_is_integer(value) &&
+           json_integer_value(value) == 0;
 }
 
 static bool read_fields(void *base, const Field *fields, int count, const json_t *object, const char *prefix,

@@ -162,7 +162,8 @@ static void supervise_gbuffer(FfpTrainStep *s, const FfpView *view, real weight,
         truth_loss(g->roughness, g, view, &view->roughness, weight * (real)c->truth_roughness, d->roughness));
 }
 
-// One view: rasterised once, seen under black, white and a random lollipop.
+// One view: rasterised once, seen under black and, from their steps on, under white and a random lollipop
+// (L_img of the paper, Sec. 3.6).
 static void supervise_view(FfpTrainStep *s, const FfpScene *scene, const FfpGaussians *gaussians, int index,
                            int64_t step, FfpRng *rng, real weight, FfpLosses *losses) {
     const FfpTrainConfig *c = s->config;
@@ -177,9 +178,9 @@ static void supervise_view(FfpTrainStep *s, const FfpScene *scene, const FfpGaus
     do active = (int)ffp_rng_below(rng, (uint32_t)capture->n_patterns);
     while (active == capture->black || active == capture->white);
     const bool perceptual = s->perceptual && c->perceptual > 0 && step >= c->perceptual_from;
-    supervise_pattern(s, scene, view, capture->black, false, weight, losses);
-    supervise_pattern(s, scene, view, capture->white, false, weight, losses);
-    supervise_pattern(s, scene, view, active, perceptual, weight, losses);
+    supervise_pattern(s, scene, view, capture->black, perceptual, weight, losses);
+    if (step >= c->white_from) supervise_pattern(s, scene, view, capture->white, perceptual, weight, losses);
+    if (step >= c->active_from) supervise_pattern(s, scene, view, active, perceptual, weight, losses);
     clock = ffp_seconds();
     supervise_gbuffer(s, view, weight, losses);
     losses->seconds[FFP_PHASE_LOSS] += ffp_seconds() - clock;

@@ -57,6 +57,8 @@ typedef struct FfpTrainConfig {
     double l1, ssim, perceptual, mask, depth, distortion, normal_smooth, roughness_smooth, direct_t;
     double truth_albedo, truth_normal, truth_roughness; // G-buffers against the generator's maps
     int perceptual_from;                                // step from which the perceptual term counts
+    int white_from, active_from; // the same for pictures under white and under lollipops (the paper's T_w,
+                                 // T_p, Sec. 3.6); black counts from the first
 
     // AdamW.
     double learning_rate, final_learning_rate, beta1, beta2, weight_decay, clip, skip_above, ema;
