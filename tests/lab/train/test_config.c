@@ -24,6 +24,8 @@ static void test_bad_fields(void **state) {
     refused("{\"learning_rate\": 1e999}", "c.json", "broken JSON");
     refused("{\"learning_rate\": NaN}", "c.json", "broken JSON");
     refused("{\"recompute\": 1}", "c.json: recompute", "true or false");
+    refused("{\"white_from\": -1}", "c.json: white_from", "not in");
+    refused("{\"active_from\": 0.1}", "c.json: active_from", "whole number");
     refused("{\"low_steps\": 9}", "c.json: low_steps", "unknown field"); // a former field
     refused("{\"model\": \"huge\"}", "c.json: model", "no preset");
     refused("{\"model\": {\"dims\": 3}}", "c.json: model.dims", "unknown field");
@@ -78,11 +80,14 @@ static void test_round_trip(void **state) {
     (void)state;
     FfpTrainConfig config, again;
     FfpError err = {0};
-    assert_true(ffp_train_config_parse(&config,
-                                       "{\"steps\": 77, \"scenes\": \"a/b\", \"generators\": 2, \"ema\": "
-                                       "0.5, \"model\": {\"preset\": \"tiny\", \"modules\": \"TM\"}}",
-                                       "c.json", &err));
+    assert_true(ffp_train_config_parse(
+        &config,
+        "{\"steps\": 77, \"white_from\": 3, \"active_from\": 7, \"scenes\": "
+        "\"a/b\", \"generators\": 2, \"ema\": 0.5, \"model\": {\"preset\": \"tiny\", \"modules\": \"TM\"}}",
+        "c.json", &err));
     assert_int_equal(config.steps, 77);
+    assert_int_equal(config.white_from, 3);
+    assert_int_equal(config.active_from, 7);
     assert_string_equal(config.model.modules, "TM");
     assert_string_equal(config.scenes, "a/b");
     assert_int_equal(config.generators, 2);
