@@ -64,7 +64,7 @@ ffp_wing(world) # objects and rigs that do not exist
 # shapes, generated or read, as meshes; solid noise
 ffp_room(shapes DEPS numerics base READERS mesh_file)
 # materials, rig and light simulator; scenes and data sets
-ffp_room(synth DEPS shapes patterns capture image base)
+ffp_room(synth DEPS shapes patterns capture image base LIBS PkgConfig::JANSSON)
 
 ffp_wing(lab) # training, measuring, comparing
 # steps, optimiser, checkpoints, validation

@@ -760,7 +760,7 @@ typedef struct FfpGeneration {
     int resolution;       // image size; 0: the preset's
     FfpRig rig;           // of the input views
     int views;            // input views, 1 to 360; 0: the preset's
-    uint64_t seed;
+    uint64_t seed;        // at most INT64_MAX
     const char *mesh;     // OBJ, PLY, STL or glTF file to use instead of the generated meshes; NULL: none
     const char *material; // folder of basecolor, roughness and normal maps to use; NULL: none
     // Or folder of pictures, each of which is a material, the base colour; so is each folder of such maps in

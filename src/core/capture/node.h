@@ -20,6 +20,10 @@ void ffp_node_close(FfpNode *root);
 // The JSON belongs to the current call (core/base/call.h) until it is released here.
 void ffp_json_own(json_t *value);
 void ffp_json_release(json_t *value);
+// Adds a member to scene.json of a capture that was written into `folder`: to its object `section`, or, NULL,
+// to the root. Takes `value` away in any case; NULL is an error.
+bool ffp_scene_json_add(const char *folder, const char *section, const char *key, json_t *value,
+                        FfpError *err);
 bool ffp_node_fail(const FfpNode *field, FfpError *err, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

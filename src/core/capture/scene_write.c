@@ -243,3 +243,21 @@ bool ffp_capture_write(const FfpCapture *capture, const char *folder, FfpError *
     ffp_json_release(writer.names);
     return ok;
 }
+
+bool ffp_scene_json_add(const char *folder, const char *section, const char *key, json_t *value,
+                        FfpError *err) {
+    char path[FFP_PATH_MAX];
+    FfpNode root = {0};
+    if (!value) return ffp_fail(err, FFP_ERROR_MEMORY, key, "out of memory");
+    ffp_json_own(value);
+    bool ok = ffp_join_path(path, folder, "scene.json") ||
+              ffp_fail(err, FFP_ERROR_FILE, folder, "the path is too long");
+    ok = ok && ffp_node_open(&root, path, err);
+    if (ok) {
+        json_object_set(section ? json_object_get(root.value, section) : root.value, key, value);
+        ok = write_json(root.value, path, err);
+        ffp_node_close(&root);
+    }
+    ffp_json_release(value);
+    return ok;
+}

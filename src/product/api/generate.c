@@ -28,6 +28,8 @@ static bool check_choices(const FfpGeneration *options, FfpError *err) {
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "split", "invalid value %d", (int)options->split);
     if ((unsigned)options->preset > FFP_PRESET_TRAINING)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "preset", "invalid value %d", (int)options->preset);
+    if (options->seed > INT64_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "seed", "is above %lld", (long long)INT64_MAX);
     return (unsigned)options->rig <= FFP_RIG_WALK_TWO ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "rig", "invalid value %d", (int)options->rig);
 }

@@ -223,7 +223,7 @@ const FfpCommand ffp_cli_generate = {
     .purpose = "generates ray-traced captures of procedural objects, with ground truth",
     .prose =
         "A ray-traced light simulator writes DIR/<scene>/ in the project's capture format, together with "
-        "depth, normal, albedo, roughness and mask, and new poses for objects of the test split in "
+        "depth, normal, albedo, roughness and mask, and new poses in "
         "DIR/<scene>/targets/.\n"
         "A scene depends only on its number, the seed and the preset; rig, views and resolution show the "
         "same scene in a different way. Existing scenes are kept, so an interrupted run resumes where it "

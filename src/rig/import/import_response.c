@@ -105,21 +105,11 @@ bool ffp_importing_find_response(FfpImporting *import, FfpError *err) {
 
 // Puts the response into the capture's JSON: what was found is kept though patterns hold it already.
 bool ffp_importing_keep_response(const char *folder, const FfpImporting *import, FfpError *err) {
-    char path[FFP_PATH_MAX];
-    FfpNode root;
     const FfpResponse *r = &import->response;
     if (!import->has_response) return true;
-    if (!ffp_join_path(path, folder, "scene.json"))
-        return ffp_fail(err, FFP_ERROR_FILE, folder, "the path is too long");
-    if (!ffp_node_open(&root, path, err)) return false;
-    json_t *response =
-        json_pack("{s:[f,f,f], s:[f,f,f], s:b}", "gamma", r->gamma[0], r->gamma[1], r->gamma[2],
-                  "black_level", r->black[0], r->black[1], r->black[2], "black_level_known", r->black_known);
-    json_object_set_new(json_object_get(root.value, "projector"), "response", response);
-    char *text = json_dumps(root.value, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
-    ffp_node_close(&root);
-    const bool ok = text ? ffp_write_file(path, text, strlen(text), err)
-                         : ffp_fail(err, FFP_ERROR_IO, path, "cannot write the JSON");
-    free(text);
-    return ok;
+    return ffp_scene_json_add(folder, "projector", "response",
+                              json_pack("{s:[f,f,f], s:[f,f,f], s:b}", "gamma", r->gamma[0], r->gamma[1],
+                                        r->gamma[2], "black_level", r->black[0], r->black[1], r->black[2],
+                                        "black_level_known", r->black_known),
+                              err);
 }

@@ -9,6 +9,7 @@
 #include "core/base/call.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/capture/node.h"
 #include "world/shapes/mesh.h"
 #include "world/synth/natural.h"
 #include "world/synth/photographs.h"
@@ -18,7 +19,7 @@
 #include "world/synth/texture.h"
 #include "world/synth/trace.h"
 
-enum { MESHES_MAX = 1024, PAPER_TARGETS = 6, VIEWS_MAX = 360 };
+enum { MESHES_MAX = 1024, VIEWS_MAX = 360 };
 static const int64_t ASSET_SCENES = 100000; // of one mesh: names stay five digits
 
 // One call of ffp_dataset_write, shared by its workers.
@@ -57,14 +58,6 @@ void ffp_dataset_scene(const char *split, int64_t index, uint64_t seed, FfpScene
     spec->seed = seed * 0x9e3779b97f4a7c15ULL + (uint64_t)spec->mesh * 1000U + (uint64_t)spec->material;
 }
 
-static bool is_test_mesh(int mesh) {
-    int meshes[MESHES_MAX];
-    const int count = ffp_split_meshes("test", meshes, MESHES_MAX);
-    for (int i = 0; i < count; i++)
-        if (meshes[i] == mesh) return true;
-    return false;
-}
-
 // Scene `number` of a user's mesh: the materials in turn (none of which shows where the user gives one too).
 static void asset_scene(int64_t number, uint64_t seed, FfpSceneSpec *spec) {
     spec->material = (int)(number % ffp_material_count());
@@ -83,7 +76,7 @@ static bool preset_spec(const FfpDatasetSettings *options, FfpSceneSpec *spec, F
     *spec = ffp_scene_defaults();
     switch (options->preset) {
     case FFP_DATASET_PAPER:
-        spec->lollipops = 6, spec->targets = -1; // the test split alone has some
+        spec->lollipops = 6, spec->targets = 6;
         spec->samples = 16, spec->ambient_rays = 4;
         break;
     case FFP_DATASET_SMOKE:
@@ -101,19 +94,42 @@ static bool preset_spec(const FfpDatasetSettings *options, FfpSceneSpec *spec, F
     return ffp_sensor_check(&spec->sensor, err);
 }
 
-// The views from `first` on as a capture of their own, to be written; memory stays with the whole.
-static bool write_part(const FfpCapture *whole, int first, int count, const char *folder, FfpError *err) {
-    FfpCapture part = *whole;
-    part.views = whole->views + first;
-    part.n_views = count;
-    return ffp_make_folders(folder, err) && ffp_capture_write(&part, folder, err);
+// What a scene is, for its file: the numbers that make it again, and what they stand for.
+static json_t *describe(const Job *job, int64_t number, const FfpSceneSpec *spec) {
+    const FfpDatasetSettings *options = job->options;
+    const char *own = spec->own_material ? spec->own_material : options->material;
+    const char *split = job->asset[0] ? NULL : options->split ? options->split : "all";
+    char material[FFP_NAME_MAX];
+    snprintf(material, sizeof material, "%s", ffp_material_name(spec->material));
+    if (own) ffp_asset_name(own, material);
+    return json_pack("{s:s, s:s*, s:I, s:I, s:s, s:s}", "version", FFP_VERSION, "split", split, "number",
+                     (json_int_t)number, "seed", (json_int_t)options->seed, "mesh",
+                     job->asset[0] ? job->asset : ffp_mesh_name(spec->mesh), "material", material);
 }
 
-static bool is_complete(const char *folder, bool with_targets) {
+// A scene in the making.
+typedef struct Scene {
+    const Job *job;
+    int64_t number;
+    FfpSceneSpec spec;
+    FfpCapture capture; // input views, then new poses
+} Scene;
+
+// The views from `first` on as a capture of their own, to be written; memory stays with the whole.
+static bool write_part(const Scene *scene, int first, int count, const char *folder, FfpError *err) {
+    FfpCapture part = scene->capture;
+    part.views += first;
+    part.n_views = count;
+    return ffp_make_folders(folder, err) && ffp_capture_write(&part, folder, err) &&
+           ffp_scene_json_add(folder, NULL, "generator", describe(scene->job, scene->number, &scene->spec),
+                              err);
+}
+
+static bool is_complete(const char *folder) {
     char scene[FFP_PATH_MAX], poses[FFP_PATH_MAX];
     if (!ffp_join_path(scene, folder, "scene.json") || !ffp_join_path(poses, folder, "targets/scene.json"))
         return false;
-    return ffp_is_file(scene) && (!with_targets || ffp_is_file(poses));
+    return ffp_is_file(scene) && ffp_is_file(poses);
 }
 
 static void remove_part(void *folder) {
@@ -121,16 +137,16 @@ static void remove_part(void *folder) {
     ffp_free(folder);
 }
 
-static bool write_scene(const FfpCapture *capture, const FfpSceneSpec *spec, const char *part,
-                        const char *folder, FfpError *err) {
+static bool write_scene(const Scene *scene, const char *part, const char *folder, FfpError *err) {
+    const FfpSceneSpec *spec = &scene->spec;
     char targets[FFP_PATH_MAX];
     if (!ffp_join_path(targets, part, "targets"))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, folder, "the path is too long");
     ffp_remove_tree(part); // what a killed process left
     char *owned = ffp_copy_text(part);
     ffp_own(owned, remove_part);
-    bool ok = (spec->targets == 0 || write_part(capture, spec->views, spec->targets, targets, err)) &&
-              write_part(capture, 0, spec->views, part, err);
+    bool ok = write_part(scene, spec->views, spec->targets, targets, err) &&
+              write_part(scene, 0, spec->views, part, err);
     if (ok && rename(part, folder) != 0) {
         const bool there = errno == ENOTEMPTY || errno == EEXIST || errno == ENOTDIR;
         ok = there ? ffp_fail(err, FFP_ERROR_ARGUMENT, folder,
@@ -151,7 +167,6 @@ static FfpSceneSpec spec_of(const Job *job, int64_t number) {
         asset_scene(number, job->options->seed, &spec);
     else
         ffp_dataset_scene(job->options->split, number, job->options->seed, &spec);
-    if (spec.targets < 0) spec.targets = job->asset[0] || is_test_mesh(spec.mesh) ? PAPER_TARGETS : 0;
     return spec;
 }
 
@@ -167,15 +182,14 @@ static bool generate_scene(const Job *job, int64_t number, const char *name, boo
     if (!ffp_join_path(folder, job->options->folder, name) ||
         !ffp_join_path(part, job->options->folder, hidden))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, job->options->folder, "the path is too long");
-    FfpSceneSpec spec = spec_of(job, number);
-    *made = !is_complete(folder, spec.targets > 0);
+    *made = !is_complete(folder);
     if (!*made) return true;
-    FfpCapture capture;
-    const bool made_it = ffp_stock_dress(&job->stock, &spec, err) && ffp_scene_make(&capture, &spec, err);
-    ffp_stock_undress(&job->stock, &spec);
-    if (!made_it) return false;
-    const bool ok = write_scene(&capture, &spec, part, folder, err);
-    ffp_capture_free(&capture);
+    Scene scene = {.job = job, .number = number, .spec = spec_of(job, number)};
+    FfpSceneSpec *spec = &scene.spec;
+    const bool made_it = ffp_stock_dress(&job->stock, spec, err) && ffp_scene_make(&scene.capture, spec, err);
+    const bool ok = made_it && write_scene(&scene, part, folder, err);
+    ffp_stock_undress(&job->stock, spec);
+    if (made_it) ffp_capture_free(&scene.capture);
     return ok;
 }
 
@@ -339,9 +353,7 @@ static int64_t list_missing(const Job *job, int64_t count, char *text, size_t si
         char name[FFP_NAME_MAX + 32], folder[FFP_PATH_MAX];
         scene_name(job, number, name);
         ffp_cancel_point();
-        if (ffp_join_path(folder, job->options->folder, name) &&
-            is_complete(folder, spec_of(job, number).targets > 0))
-            continue;
+        if (ffp_join_path(folder, job->options->folder, name) && is_complete(folder)) continue;
         if (missing++ < NAMED && length < size)
             length += (size_t)snprintf(text + length, size - length, "%s%.64s", length ? ", " : "", name);
     }

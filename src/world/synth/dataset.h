@@ -15,7 +15,7 @@ int64_t ffp_dataset_size(const char *split); // 0: no such split
 void ffp_dataset_scene(const char *split, int64_t index, uint64_t seed, FfpSceneSpec *spec);
 
 typedef enum FfpDatasetPreset {
-    FFP_DATASET_PAPER,   // 6 lollipops, 16 samples a pixel, new poses of the test split's objects
+    FFP_DATASET_PAPER,   // 6 lollipops, 6 new poses, 16 samples a pixel
     FFP_DATASET_SMOKE,   // small, quick
     FFP_DATASET_TRAINING // what the trainer makes by default
 } FfpDatasetPreset;

@@ -116,6 +116,8 @@ static void sources_are_named(void **state) {
     refused(!ffp_lpips(NULL, "weights", NULL, NULL, -1, NULL, &err), "n");
     refused(!ffp_train_model(NULL, &training, &err), "out");
     refused(!ffp_generate(NULL, &generation, &err), "folder");
+    generation = (FfpGeneration){.folder = "scenes", .seed = UINT64_MAX};
+    refused(!ffp_generate(NULL, &generation, &err), "seed");
     refused(ffp_write_patterns(NULL, &patterns, &err) < 0, "folder");
     calibration.n_attitudes = 3;
     refused(!ffp_calibrate_rig(NULL, &calibration, NULL, &err), "attitudes");

@@ -1,8 +1,11 @@
 // Generated scenes: the same bits on any number of threads, the rig, the light, and the way to disk and back.
+#include <jansson.h>
 #include <math.h>
 #include <omp.h>
+#include "core/base/file.h"
 #include "core/image/lookup.h"
 #include "scratch.h"
+#include "world/shapes/mesh.h"
 #include "world/synth/dataset.h"
 #include "world/synth/natural.h"
 #include "world/synth/scene.h"
@@ -299,6 +302,81 @@ static void other_splits_have_lollipops_alone(void **state) {
     ffp_capture_free(&read);
 }
 
+static void write_set(const FfpDatasetSettings *options) {
+    FfpError err;
+    if (!ffp_dataset_write(options, &err)) fail_msg("%s", err.text);
+}
+
+// The text of a member of a scene file's `generator`, numbers in digits; "" where there is none.
+static const char *generator(const char *file, const char *member) {
+    static char text[80];
+    json_t *root = json_load_file(in_scratch(file), 0, NULL);
+    const json_t *value = json_object_get(json_object_get(root, "generator"), member);
+    snprintf(text, sizeof text, "%s", json_is_string(value) ? json_string_value(value) : "");
+    if (json_is_integer(value)) snprintf(text, sizeof text, "%lld", (long long)json_integer_value(value));
+    json_decref(root);
+    return text;
+}
+
+// Whoever finds a scene knows what it shows, and how to make it again; training objects have new poses, too.
+static void files_say_what_they_show(void **state) {
+    (void)state;
+    const FfpDatasetSettings options = {.folder = in_scratch("told"),
+                                        .split = "train",
+                                        .preset = FFP_DATASET_PAPER,
+                                        .first = 7,
+                                        .count = 1,
+                                        .seed = 5,
+                                        .resolution = 8};
+    write_set(&options);
+    FfpSceneSpec spec;
+    ffp_dataset_scene("train", 7, 5, &spec);
+    static const char *const files[2] = {"told/train_00007/scene.json",
+                                         "told/train_00007/targets/scene.json"};
+    for (int i = 0; i < 2; i++) {
+        assert_string_equal(generator(files[i], "version"), FFP_VERSION);
+        assert_string_equal(generator(files[i], "split"), "train");
+        assert_string_equal(generator(files[i], "number"), "7");
+        assert_string_equal(generator(files[i], "seed"), "5");
+        assert_string_equal(generator(files[i], "mesh"), ffp_mesh_name(spec.mesh));
+        assert_string_equal(generator(files[i], "material"), ffp_material_name(spec.material));
+    }
+    FfpCapture read, targets;
+    FfpError err;
+    if (!ffp_capture_read(&read, in_scratch("told/train_00007"), &err) ||
+        !ffp_capture_read_targets(&targets, in_scratch(files[1]), &read, &err))
+        fail_msg("%s", err.text);
+    assert_int_equal(targets.n_views, 6);
+    ffp_capture_free(&targets);
+    ffp_capture_free(&read);
+}
+
+static void files_name_what_the_user_gave(void **state) {
+    (void)state;
+    static const char mesh[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    FfpError err;
+    FfpImage grey = ffp_image_new(4, 4, 3);
+    char file[FFP_PATH_MAX], rock[FFP_PATH_MAX];
+    snprintf(file, sizeof file, "%s", in_scratch("four-sided.obj"));
+    snprintf(rock, sizeof rock, "%s", in_scratch("red rock"));
+    assert_true(ffp_write_file(file, mesh, strlen(mesh), &err) && ffp_make_folders(rock, &err) &&
+                ffp_image_write_png(&grey, in_scratch("red rock/basecolor.png"), &err));
+    FfpDatasetSettings options = {.folder = in_scratch("given"),
+                                  .preset = FFP_DATASET_SMOKE,
+                                  .count = 1,
+                                  .mesh = file,
+                                  .material = rock,
+                                  .resolution = 8};
+    write_set(&options);
+    assert_string_equal(generator("given/four-sided_00000/scene.json", "mesh"), "four-sided");
+    assert_string_equal(generator("given/four-sided_00000/scene.json", "material"), "red_rock");
+    assert_string_equal(generator("given/four-sided_00000/scene.json", "split"), "");
+    options.folder = in_scratch("any"), options.mesh = options.material = NULL;
+    write_set(&options);
+    assert_string_equal(generator("any/all_00000/scene.json", "split"), "all");
+    ffp_image_free(&grey);
+}
+
 static void bad_specs_are_refused(void **state) {
     (void)state;
     FfpError err;
@@ -328,6 +406,8 @@ int main(void) {
         cmocka_unit_test(jitter_moves_rig_and_light),
         cmocka_unit_test(rig_and_number_of_views_leave_the_scene),
         cmocka_unit_test(light_only_adds),
+        cmocka_unit_test(files_say_what_they_show),
+        cmocka_unit_test(files_name_what_the_user_gave),
         cmocka_unit_test(the_true_depth_predictor_holds),
         cmocka_unit_test(disk_and_memory_agree),
         cmocka_unit_test(written_colours_come_back_exactly),
