@@ -942,6 +942,9 @@ typedef struct FfpImport {
     // position that each pixel's light comes from. Without any other pattern besides black and white, one of
     // the codes becomes the pattern. NULL: none.
     const char *gray_codes;
+    // Of these, how many photographs a view keeps for fits: codes whose stripes the capture's pixels resolve,
+    // and that are not the same as a pattern above or its inverse. 0 to 32; 0: none. Default: 8.
+    int kept_codes;
     // The stage without the object, photographed like the views under black, white and, better, every other
     // pattern: what looks like it is background. On a turntable one picture each serves all views; elsewhere
     // `files` tells views apart. None: masks as below. Not with FFP_MASKS_FROM_FILES.
@@ -966,7 +969,7 @@ typedef struct FfpImport {
     const char *name;   // of the capture; NULL: that of the folder
     const char *folder; // for the capture; must be new or empty
 } FfpImport;
-FFP_API FfpImport ffp_import_defaults(void); // nothing named, pictures unchanged
+FFP_API FfpImport ffp_import_defaults(void); // nothing named, pictures unchanged, eight codes kept
 // Writes a capture folder, completely or not at all: poses in the object's frame, pictures and patterns
 // without lens distortion, masks applied.
 FFP_API bool ffp_import_capture(FfpContext *context, const FfpImport *options, FfpError *err);

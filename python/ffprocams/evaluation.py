@@ -257,6 +257,7 @@ def import_capture(
     patterns: Mapping[str, PathLike] | None = None,
     held_out: Mapping[str, PathLike] | None = None,
     gray_codes: PathLike | None = None,
+    kept_codes: int = 8,
     empty: Mapping[str, PathLike] | None = None,
     turntable: Turntable | None = None,
     masks: str | None = None,
@@ -290,6 +291,7 @@ def import_capture(
         held_out: likewise, for testing only.
         gray_codes: photographs of the Gray codes of write_patterns, files as in ``images``, with {pattern} standing for
             gray_x_00, gray_x_00_inverse and so on: where codes can be decoded, depth is exact.
+        kept_codes: of these, how many photographs each view keeps for fits, 0 to 32.
         empty: photographs of the stage without the object under "black", "white" and preferably every other pattern,
             files as in ``images``, or one for all stops of a turntable; what looks like it is background. Cannot be
             combined with files of masks.
@@ -321,6 +323,7 @@ def import_capture(
     _fill_pictures(options, images, patterns, held_out, keep)
     options.empty, options.n_empty = _listed_images(list((empty or {}).items()), keep), len(empty or {})
     _fill_turntable(options.turntable, turntable or Turntable(), keep)
+    options.kept_codes = kept_codes
     options.gray_codes, options.shown = keep.path(gray_codes), keep.path(shown)
     options.masks = {None: lib.FFP_MASKS_FROM_ALPHA, "light": lib.FFP_MASKS_FROM_LIGHT}.get(
         masks, lib.FFP_MASKS_FROM_FILES

@@ -65,6 +65,8 @@ typedef struct FfpCapture {
     char folder[1024];
     int n_patterns, n_views;
     FfpPattern *patterns;
+    int n_codes; // how many of the patterns, the last, are Gray codes that were photographed for depth: all
+                 // of them novel, further photographs for a fit, and neither shown nor scored unless named
     FfpView *views;
     int black, white;  // indices into patterns
     real intensity[3]; // projector radiant intensity at pattern value 1, W/sr in world units (I of the light
@@ -88,8 +90,8 @@ FfpCapture *ffp_capture_load(const char *path, FfpError *err);
 // ffp_capture_load_devices, if the file says intensity and sphere.
 FfpCapture *ffp_capture_load_most(const char *path, double values, FfpError *err);
 // The same without the pictures that a reconstruction from these patterns (n names, 0: the one it takes then)
-// does not look at, nor the ground truth. A capture whose file lacks the object's sphere, whose photographs
-// have neither alpha nor masks, or that is a whole scene, is read as a whole.
+// and from Gray codes does not look at, nor the ground truth. A capture whose file lacks the object's sphere,
+// whose photographs have neither alpha nor masks, or that is a whole scene, is read as a whole.
 FfpCapture *ffp_capture_load_wanted(const char *path, const char *const *patterns, int n, FfpError *err);
 // Devices and patterns, for work that looks at few photographs or none: they stay in their files, and views
 // have neither pictures nor coverage (photographs.h reads a view's). What the file does not say (the
@@ -179,6 +181,11 @@ bool ffp_same_device(const FfpCamera *a, const FfpCamera *b);
 // Unit world direction of the ray through pixel position (x, y); returns its z component in the camera's
 // frame, so that camera depth z = t * returned value.
 real ffp_pixel_ray(const FfpCamera *camera, real x, real y, real direction[3]);
+
+// The patterns before the Gray codes: those that are looked at unless a name asks for more.
+static inline int ffp_patterns_shown(const FfpCapture *capture) {
+    return capture->n_patterns - capture->n_codes;
+}
 
 // The part of a view's picture that its camera saw (frame_width), pixels.
 static inline int ffp_frame_width(const FfpView *view) {

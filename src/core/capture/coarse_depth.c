@@ -275,7 +275,7 @@ static bool has_picture(const FfpView *view, int pattern) {
 // Patterns besides black and white that all views have.
 static int usable_patterns(const FfpCapture *capture, int usable[PATTERNS]) {
     int all[FFP_PATTERNS_MAX], n = 0;
-    for (int p = 0; p < capture->n_patterns; p++) {
+    for (int p = 0; p < ffp_patterns_shown(capture); p++) {
         bool ok = p != capture->black && p != capture->white && capture->patterns[p].image.data;
         for (int v = 0; v < capture->n_views && ok; v++) ok = has_picture(&capture->views[v], p);
         if (ok) all[n++] = p;

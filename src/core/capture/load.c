@@ -351,7 +351,8 @@ static bool is_wanted(const FfpManifest *manifest, int pattern) {
     const FfpWanted *wanted = manifest->wanted;
     for (int i = 0; i < wanted->n; i++)
         if (strcmp(wanted->patterns[i], capture->patterns[pattern].name) == 0) return true;
-    if (pattern == capture->black || pattern == capture->white) return true;
+    if (pattern == capture->black || pattern == capture->white || pattern >= ffp_patterns_shown(capture))
+        return true;
     return wanted->n == 0 && !capture->patterns[pattern].novel && seen_by_all(manifest, pattern);
 }
 
@@ -363,7 +364,8 @@ static bool keep_wanted(FfpManifest *manifest) {
     bool unwanted[FFP_PATTERNS_MAX], has_default = false;
     for (int p = 0; p < capture->n_patterns; p++) {
         const bool plain = p == capture->black || p == capture->white;
-        unwanted[p] = !is_wanted(manifest, p) || (manifest->wanted->n == 0 && !plain && has_default);
+        const bool code = p >= ffp_patterns_shown(capture);
+        unwanted[p] = !is_wanted(manifest, p) || (manifest->wanted->n == 0 && !plain && !code && has_default);
         has_default |= !unwanted[p] && !plain;
     }
     for (int v = 0; v < capture->n_views; v++) {

@@ -132,6 +132,27 @@ static bool read_pattern(FfpManifest *manifest, const FfpNode *item, FfpError *e
            ffp_node_get(item, "file", &field, err);
 }
 
+// The names of the last patterns, which are Gray codes. Those of a targets file are patterns like others.
+static bool read_codes(FfpManifest *manifest, const FfpNode *root, FfpError *err) {
+    FfpCapture *capture = manifest->capture;
+    FfpNode list, item;
+    int n = 0;
+    if (manifest->targets || !ffp_node_find(root, "codes", &list)) return true;
+    if (!ffp_node_count(&list, 0, capture->n_patterns, &n, err)) return false;
+    for (int i = 0; i < n; i++) {
+        char name[FFP_NAME_MAX];
+        const FfpPattern *pattern = &capture->patterns[capture->n_patterns - n + i];
+        if (!ffp_node_item(&list, i, &item, err) || !ffp_node_name(&item, name, err)) return false;
+        if (strcmp(name, pattern->name) != 0 || !pattern->novel)
+            return ffp_node_fail(&item, err,
+                                 "'%.100s' is not in its place among the last %d patterns, with the role "
+                                 "novel",
+                                 name, n);
+    }
+    capture->n_codes = n;
+    return true;
+}
+
 static bool read_patterns(FfpManifest *manifest, const FfpNode *root, FfpError *err) {
     FfpNode list, item;
     int n = 0;
@@ -141,6 +162,7 @@ static bool read_patterns(FfpManifest *manifest, const FfpNode *root, FfpError *
     for (int i = 0; i < n; i++) {
         if (!ffp_node_item(&list, i, &item, err) || !read_pattern(manifest, &item, err)) return false;
     }
+    if (!read_codes(manifest, root, err)) return false;
     if (manifest->poses) return true;
     if (manifest->capture->black < 0) return ffp_node_fail(&list, err, "no pattern has the role black");
     if (manifest->capture->white < 0) return ffp_node_fail(&list, err, "no pattern has the role white");

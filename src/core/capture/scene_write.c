@@ -207,11 +207,19 @@ static bool all_finite(const FfpCapture *capture) {
     return isfinite(sum);
 }
 
+static json_t *names_of_codes(const FfpCapture *capture) {
+    json_t *names = json_array();
+    for (int i = ffp_patterns_shown(capture); i < capture->n_patterns; i++)
+        json_array_append_new(names, json_string(capture->patterns[i].name));
+    return names;
+}
+
 static bool write_all(Writer *writer, json_t *root, FfpError *err) {
     const FfpCapture *capture = writer->capture;
     json_t *patterns = json_array(), *views = json_array();
     describe_rig(capture, root);
     json_object_set_new(root, "patterns", patterns);
+    if (writer->capture->n_codes > 0) json_object_set_new(root, "codes", names_of_codes(writer->capture));
     json_object_set_new(root, "views", views);
     for (int i = 0; i < capture->n_patterns; i++) {
         if (!write_pattern(writer, i, patterns, err)) return false;

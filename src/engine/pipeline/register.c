@@ -87,7 +87,8 @@ static double disagreement(const Fit *fit) {
 
 static void fit_open(Fit *fit, const FfpView *view, const int *patterns, int width, int height) {
     const FfpCapture *capture = fit->capture;
-    fit->view = ffp_view_reduced(view, capture->n_patterns, patterns, capture->n_patterns, width, height);
+    fit->view =
+        ffp_view_reduced(view, capture->n_patterns, patterns, ffp_patterns_shown(capture), width, height);
     for (int p = 0; p < capture->n_patterns; p++)
         if (fit->view.images[p].data) ffp_image_to_srgb(&fit->view.images[p]);
     const FfpCamera *devices[2] = {&view->camera, &view->projector};

@@ -52,7 +52,8 @@ static Protocol protocol_new(const char *name, const FfpSubject *subject) {
     protocol.wanted = ffp_alloc(views->n_patterns, sizeof *protocol.wanted);
     for (int p = 0; p < views->n_patterns; p++) {
         const bool input = is_input(subject, views, p);
-        protocol.wanted[p] = poses || input == rendering;
+        const bool code = p >= ffp_patterns_shown(views) && !ffp_subject_given(subject, p);
+        protocol.wanted[p] = !code && (poses || input == rendering);
         for (int v = 0; protocol.wanted[p] && v < views->n_views; v++)
             protocol.total += views->views[v].images[p].data != NULL;
     }

@@ -102,7 +102,7 @@ static bool keep_useful_patterns(FfpCapture *capture, int others, FfpError *err)
     chosen[0] = capture->black;
     chosen[1] = capture->white;
     chosen[2] = active;
-    for (int p = 0; p < capture->n_patterns && count < 2 + others; p++)
+    for (int p = 0; p < ffp_patterns_shown(capture) && count < 2 + others; p++)
         if (p != active && p != capture->black && p != capture->white && seen_by_all(capture, p))
             chosen[count++] = p;
     ffp_scene_keep_patterns(capture, chosen, count);

@@ -131,6 +131,7 @@ void ffp_scene_keep_patterns(FfpCapture *capture, const int *chosen, int count) 
     }
     capture->patterns = patterns;
     capture->n_patterns = count;
+    capture->n_codes = 0;
     capture->black = 0;
     capture->white = 1;
 }

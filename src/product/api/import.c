@@ -9,7 +9,7 @@
 #include "product/api/arguments.h"
 
 FfpImport ffp_import_defaults(void) {
-    return (FfpImport){0};
+    return (FfpImport){.kept_codes = 8};
 }
 
 static FfpPictureSize picture_size(const FfpCalibratedAt *at) {
@@ -114,6 +114,7 @@ static bool import_capture(void *argument, FfpError *err) {
                                   .fit_response = options->fit_response,
                                   .linear_images = options->linear_images,
                                   .linear_patterns = options->linear_patterns,
+                                  .codes = options->kept_codes,
                                   .exposure = options->exposure,
                                   .scene = options->scene,
                                   .name = options->name,

@@ -249,6 +249,16 @@ static const FfpOption options[] = {
              "rows, coarsest first, each followed by its inverse. FILES as above; {pattern} is gray_x_00, "
              "gray_x_00_inverse and so on. Where codes can be decoded, depth is exact and needs no matching. "
              "Without any other pattern, one of the codes becomes the capture's pattern"},
+    {.name = "keep-codes",
+     .argument = "N",
+     .type = FFP_OPTION_INT,
+     .offset = offsetof(Arguments, import.kept_codes),
+     .low = 0,
+     .high = 32,
+     .group = PHOTOGRAPHS,
+     .help = "of the photographs of Gray codes, keep N of each view in the capture for fits: of codes whose "
+             "stripes its pixels resolve, without those that are the same as another pattern or its inverse. "
+             "Default: 8; 0: none"},
     {.name = "empty",
      .argument = "NAMES=FILES",
      .type = FFP_OPTION_TEXT,

@@ -119,7 +119,10 @@ void ffp_print_capture(FILE *out, const FfpLooked *looked) {
     for (int p = 0; p < capture->n_patterns; p++) {
         fputc(' ', out);
         ffp_put_plain(out, capture->patterns[p].name);
-        if (capture->patterns[p].novel) fputs(" (held back)", out);
+        if (p >= ffp_patterns_shown(capture))
+            fputs(" (code)", out);
+        else if (capture->patterns[p].novel)
+            fputs(" (held back)", out);
     }
     print_structured_light(out, seen);
     fprintf(out, "\nbounds       centre %.4g %.4g %.4g, radius %.4g\n", (double)capture->centre[0],

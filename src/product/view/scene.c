@@ -72,7 +72,7 @@ static bool pack_picture(Writer *w, const FfpImage *linear, int longest, size_t 
 static bool write_patterns(Writer *w, FfpError *err) {
     const FfpCapture *capture = w->source->capture;
     fputs("\"patterns\":[", w->out);
-    for (int i = 0; i < capture->n_patterns; i++) {
+    for (int i = 0; i < ffp_patterns_shown(capture); i++) {
         const FfpPattern *pattern = &capture->patterns[i];
         bool fits = true;
         fprintf(w->out, "%s{\"name\":", i ? "," : "");
@@ -97,7 +97,7 @@ static bool read_photographs(const Writer *w, const FfpCapture *from, int v, Ffp
     const int longest = camera->width > camera->height ? camera->width : camera->height;
     const int factor = (longest + READ_SIDE - 1) / READ_SIDE;
     int patterns[FFP_PATTERNS_MAX], n = 0;
-    for (int p = 0; p < w->source->capture->n_patterns; p++)
+    for (int p = 0; p < ffp_patterns_shown(w->source->capture); p++)
         if (ffp_photographs_has(from, v, p)) patterns[n++] = p;
     *read = (FfpView){0};
     return n == 0 || w->photographs >= PHOTOGRAPHS_ROOM || w->source->photographs <= 0 ||
@@ -107,7 +107,7 @@ static bool read_photographs(const Writer *w, const FfpCapture *from, int v, Ffp
 
 static bool pack_photographs(Writer *w, const FfpCapture *from, int v, const FfpView *read, FfpError *err) {
     int written = 0;
-    for (int i = 0; i < w->source->capture->n_patterns && w->source->photographs > 0; i++) {
+    for (int i = 0; i < ffp_patterns_shown(w->source->capture) && w->source->photographs > 0; i++) {
         bool fits = w->photographs < PHOTOGRAPHS_ROOM;
         if (!ffp_photographs_has(from, v, i)) continue;
         if (!fits) {

@@ -90,8 +90,8 @@ static double error_of_inverted(const FfpCapture *capture, int active, const Ffp
 }
 
 static bool is_other(const FfpCapture *capture, int pattern, int active) {
-    return pattern != active && pattern != capture->black && pattern != capture->white &&
-           capture->patterns[pattern].image.data;
+    return pattern != active && pattern < ffp_patterns_shown(capture) && pattern != capture->black &&
+           pattern != capture->white && capture->patterns[pattern].image.data;
 }
 
 // The pattern, of those that the capture names, that explains the photographs under `active` best; -1: none.

@@ -10,12 +10,12 @@
 // Refuses what would not fit the machine's memory before any of it is taken: the result, and one source.
 static bool check_memory(const FfpImporting *import, FfpError *err) {
     const FfpCapture *capture = &import->capture;
-    double values = 3.0 * capture->views[0].projector.width * capture->views[0].projector.height *
-                    import->shots.n_patterns;
+    const int patterns = import->shots.n_patterns + (import->shots.codes ? import->settings->codes : 0);
+    double values = 3.0 * capture->views[0].projector.width * capture->views[0].projector.height * patterns;
     for (int v = 0; v < capture->n_views; v++) {
         const FfpCamera *camera = &capture->views[v].camera;
         const FfpOptics *optics = &import->calibration.stops[v].camera;
-        values += (3.0 * import->shots.n_patterns + 8) * camera->width * camera->height;
+        values += (3.0 * patterns + 8) * camera->width * camera->height;
         if (v == 0) values += 8.0 * optics->width * optics->height;
         if (import->shots.empty) values += 3.0 * import->shots.n_patterns * camera->width * camera->height;
     }
@@ -56,6 +56,9 @@ static bool name_capture(FfpImporting *import, FfpError *err) {
 
 static bool check_settings(const FfpImportSettings *settings, FfpError *err) {
     if (!settings->folder) return ffp_fail(err, FFP_ERROR_ARGUMENT, "folder", "none is given");
+    if (settings->codes < 0 || settings->codes > FFP_CODES_MOST)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "codes", "%d is not in 0 to %d", settings->codes,
+                        FFP_CODES_MOST);
     if (settings->axis != FFP_AXIS_GUESSED) return true;
     if (!settings->turntable) return ffp_fail(err, FFP_ERROR_ARGUMENT, "turntable", "no initial axis given");
     FfpTurntable turntable = *settings->turntable;
@@ -76,7 +79,7 @@ static bool run(FfpImporting *import, FfpError *err) {
            ffp_importing_load_pixels(import, err) && ffp_importing_load_stage(import, err) &&
            ffp_importing_complete_masks(import, err) && ffp_importing_load_codes(import, err) &&
            ffp_importing_find_axis(import, err) && settle_object(import, err) &&
-           ffp_importing_find_response(import, err) &&
+           ffp_importing_keep_codes(import, err) && ffp_importing_find_response(import, err) &&
            ffp_capture_write_whole(&import->capture, import->settings->folder, ffp_importing_finish, import,
                                    err);
 }

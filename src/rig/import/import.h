@@ -6,6 +6,8 @@
 #include "rig/calibration/turntable.h"
 #include "rig/import/pictures.h"
 
+#define FFP_CODES_MOST 32 // that are kept for fits
+
 typedef enum FfpAxisKnown {
     FFP_AXIS_KNOWN,   // axis and point of the turntable
     FFP_AXIS_UNKNOWN, // found from the pictures
@@ -27,7 +29,8 @@ typedef struct FfpImportSettings {
     int width;                           // of the imported pictures; 0: as they are
     bool fit_response;                   // patterns become the light that the projector made of them
     bool linear_images, linear_patterns; // PNG and JPEG files hold linear light
-    double exposure;                     // stops
+    int codes;        // at most so many photographs of Gray codes are kept for fits; 0: none
+    double exposure;  // stops
     double object[4]; // centre and radius of a sphere around the object; radius 0: estimated
     bool scene;       // a whole scene: no masks, and depth without a sphere
     const char *name; // of the capture; NULL: the folder's

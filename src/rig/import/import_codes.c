@@ -1,4 +1,5 @@
 // Import: photographs of Gray codes as positions in the projector's picture.
+#include <math.h>
 #include <string.h>
 #include "core/base/log.h"
 #include "rig/import/codes.h"
@@ -28,8 +29,8 @@ static void note_report(const FfpImporting *import, const FfpView *view, const F
 }
 
 // The view's correspondence from the decoded map, checked against the poses.
-static bool place_codes(const FfpImporting *import, int stop, const FfpImage *map,
-                        const FfpGrayReport *report, FfpError *err) {
+static bool place_codes(FfpImporting *import, int stop, const FfpImage *map, const FfpGrayReport *report,
+                        FfpError *err) {
     FfpView *view = &import->capture.views[stop];
     view->correspondence = ffp_codes_rectify(map, report->step, &import->calibration.stops[stop].camera,
                                              &view->camera, &import->coded, &view->projector);
@@ -37,6 +38,8 @@ static bool place_codes(const FfpImporting *import, int stop, const FfpImage *ma
     for (ptrdiff_t i = 0; i < pixels; i++)
         if (!(view->coverage.data[i] > 0)) memset(view->correspondence.data + 3 * i, 0, 3 * sizeof(real));
     const FfpCodesFit fit = ffp_codes_check(view);
+    import->code_step = fmax(import->code_step, report->step * import->calibration.stops[stop].camera.fx /
+                                                    (double)view->camera.fx);
     note_report(import, view, report, &fit);
     return (fit.known > 0 && fit.off <= CODES_OFF_MAX) ||
            ffp_fail(err, FFP_ERROR_FILE, "gray_codes",

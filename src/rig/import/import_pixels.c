@@ -7,8 +7,7 @@
 
 #define TOO_BRIGHT_MAX 0.001 // of the values
 
-// The light of the Gray code with this number.
-static FfpImage code_pattern(const FfpOptics *panel, int index) {
+FfpImage ffp_importing_code_pattern(const FfpOptics *panel, int index) {
     const int columns = ffp_gray_code_bits(panel->width), pair = index / 2, axis = pair >= columns;
     FfpImage grey = ffp_pattern_gray_code(panel->width, panel->height, axis, axis ? pair - columns : pair,
                                           index % 2 == 1);
@@ -33,7 +32,7 @@ static bool load_pattern(FfpImporting *import, int index, FfpError *err) {
                                                 : ffp_image_read_over_black)(&raw, NULL, shot->file, err))
             return false;
     } else if (shot->code > 0) {
-        raw = code_pattern(optics, shot->code - 1);
+        raw = ffp_importing_code_pattern(optics, shot->code - 1);
     } else {
         raw = ffp_image_new(optics->width, optics->height, 3);
         const ptrdiff_t count = (ptrdiff_t)raw.width * raw.height * 3;
@@ -49,7 +48,7 @@ static bool load_view(FfpImporting *import, int stop, FfpError *err) {
     FfpView *view = &import->capture.views[stop];
     FfpImage *alphas = ffp_alloc((size_t)n, sizeof *alphas);
     bool ok = true;
-    view->images = ffp_alloc((size_t)n, sizeof *view->images);
+    view->images = ffp_alloc((size_t)(n + import->settings->codes), sizeof *view->images);
     for (int p = 0; p < n && ok; p++) {
         if (import->shots.pictures[stop * FFP_PATTERNS_MAX + p])
             ok = ffp_importing_read_picture(import, import->shots.pictures[stop * FFP_PATTERNS_MAX + p], stop,
@@ -104,7 +103,8 @@ bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err) {
     import->holes = ffp_alloc((size_t)capture->n_views, sizeof *import->holes);
     import->thumbs = ffp_alloc((size_t)capture->n_views, sizeof *import->thumbs);
     capture->n_patterns = import->shots.n_patterns;
-    capture->patterns = ffp_alloc((size_t)capture->n_patterns, sizeof *capture->patterns);
+    capture->patterns =
+        ffp_alloc((size_t)(capture->n_patterns + import->settings->codes), sizeof *capture->patterns);
     capture->black = import->shots.black, capture->white = import->shots.white;
     for (int p = 0; p < capture->n_patterns; p++) {
         if (!load_pattern(import, p, err)) return false;

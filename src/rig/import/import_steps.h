@@ -17,8 +17,10 @@ typedef struct FfpImporting {
     FfpOptics coded;                   // settle_views: the projector that shows the Gray codes
     FfpShots shots;                    // ffp_shots_find: files; settle_views those of Gray codes
     FfpCapture capture;
-    bool *made;             // load_pixels: [views] masks made by Otsu's method
-    FfpImage *holes;        // load_pixels: [views] and what was filled of them
+    double
+        code_step;   // load_codes: panel pixels between neighbouring pixels of the capture, most of all views
+    bool *made;      // load_pixels: [views] masks made by Otsu's method
+    FfpImage *holes; // load_pixels: [views] and what was filled of them
     FfpEmptyStage *stages;  // load_pixels: [views] the empty stage, where it was photographed; NULL: was not
     FfpImage *thumbs;       // load_pixels: [views] small photographs under white, not masked
     int64_t values;         // load_pixels: of the photographs
@@ -43,14 +45,19 @@ bool ffp_importing_load_codes(FfpImporting *import, FfpError *err);
 // 7. The calibration's and the views' poses, where the axis is to be found. Needs images and coverage.
 bool ffp_importing_find_axis(FfpImporting *import, FfpError *err);
 // 8. (settle_object: centre and radius. Needs poses, coverage and correspondence.)
-// 9. Of the capture: the panel's response, the patterns' light, the intensity. Needs all before.
+// 9. Of the capture: Gray codes as further patterns, where photographs of them were decoded, and the views'
+// images under them.
+bool ffp_importing_keep_codes(FfpImporting *import, FfpError *err);
+// 10. Of the capture: the panel's response, the patterns' light, the intensity. Needs all before.
 bool ffp_importing_find_response(FfpImporting *import, FfpError *err);
-// 10. While the capture is written (ffp_capture_write_whole), `context` being the import: the response into
+// 11. While the capture is written (ffp_capture_write_whole), `context` being the import: the response into
 // its JSON, the masks' contact sheet, and the masks that were made.
 bool ffp_importing_finish(const char *folder, void *context, FfpError *err);
 bool ffp_importing_keep_response(const char *folder, const FfpImporting *import, FfpError *err);
 
-// Parts of steps. The poses of the calibration's stops to the views (3, 7).
+// Parts of steps. The light of the panel's Gray code with this number, [h,w,3] (5, 9).
+FfpImage ffp_importing_code_pattern(const FfpOptics *panel, int index);
+// The poses of the calibration's stops to the views (3, 7).
 void ffp_importing_take_poses(FfpImporting *import);
 // Whether a picture has the size of the optics, as it must; check_size: of the picture in a file (5).
 bool ffp_importing_has_size(const char *path, int width, int height, const FfpOptics *optics, FfpError *err);

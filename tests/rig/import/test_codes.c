@@ -389,6 +389,54 @@ static void test_a_doubtful_stop_is_left_out(void **state) {
     ffp_capture_free(&capture);
 }
 
+// Photographs of codes are kept for fits: none of one that the capture has, as its pattern or held out, and
+// none that its pixels cannot resolve.
+static void test_codes_for_fits(void **state) {
+    (void)state;
+    static const char *const held[1] = {"stripes"};
+    static char files[2][1100];
+    FfpCapture capture;
+    Call *call = call_of("kept");
+    FfpImage same = ffp_pattern_gray_code(PANEL_WIDTH, PANEL_HEIGHT, 0, 3, true);
+    snprintf(files[0], sizeof files[0], "%s/stripes.png", scratch);
+    snprintf(files[1], sizeof files[1], "%s/photos/007.png", scratch);
+    assert_true(ffp_image_write_png(&same, files[0], NULL));
+    ffp_image_free(&same);
+    const FfpShotFiles images[3] = {call->images[0], call->images[1], {held, 1, files[1]}};
+    const FfpProjected held_out = {held[0], files[0]};
+    call->options.sources.images = images, call->options.sources.n_images = 3;
+    call->options.sources.held_out = &held_out, call->options.sources.n_held_out = 1;
+    call->options.codes = 8;
+    call->options.width = WIDTH / 2; // some 2 pixels of the panel from one to the next
+    import(&capture, call);
+    static const char *const names[8] = {"gray_x_04", "gray_y_04", "gray_x_02_inverse", "gray_y_03_inverse",
+                                         "gray_x_01", "gray_y_02", "gray_x_00_inverse", "gray_y_01_inverse"};
+    assert_int_equal(capture.n_codes, 8);
+    for (int k = 0; k < 8; k++) {
+        const int p = ffp_patterns_shown(&capture) + k;
+        assert_string_equal(capture.patterns[p].name, names[k]);
+        assert_true(capture.patterns[p].novel && capture.views[0].images[p].data);
+    }
+    // The photograph shows the code: lit where the code's picture is, by the correspondence.
+    const FfpView *view = &capture.views[0];
+    const int code = ffp_patterns_shown(&capture);
+    int right = 0, known = 0;
+    for (int i = 0; i < view->camera.width * view->camera.height; i++) {
+        const real *at = view->correspondence.data + 3 * i, *dark = view->images[capture.black].data + 3 * i,
+                   *lit = view->images[capture.white].data + 3 * i;
+        if (!(at[2] > 0) || at[0] < 0 || at[1] < 0 || at[0] >= PANEL_WIDTH || at[1] >= PANEL_HEIGHT) continue;
+        const real shown = capture.patterns[code].image.data[3 * ((int)at[1] * PANEL_WIDTH + (int)at[0])];
+        const real seen = (view->images[code].data[3 * i] - dark[0]) / (lit[0] - dark[0]);
+        known++, right += (seen > 0.5F) == (shown > 0.5F);
+    }
+    assert_true(known > 1000 && right > 0.9 * known);
+    ffp_capture_free(&capture);
+    call->options.codes = 33;
+    snprintf(call->folder, sizeof call->folder, "%s/kept33", scratch);
+    assert_false(ffp_import(&call->options, &err));
+    assert_non_null(strstr(err.text, "33 is not in 0 to 32 (codes)"));
+}
+
 // All photographs of what `patterns` wrote in one folder, with the codes and without.
 static void test_as_shown(void **state) {
     (void)state;
@@ -761,6 +809,7 @@ int main(void) {
         cmocka_unit_test(test_depth),
         cmocka_unit_test(test_views),
         cmocka_unit_test(test_a_doubtful_stop_is_left_out),
+        cmocka_unit_test(test_codes_for_fits),
         cmocka_unit_test(test_as_shown),
         cmocka_unit_test(test_outlines_are_no_disorder),
         cmocka_unit_test(test_faults),

@@ -1,0 +1,109 @@
+// Import: photographs of Gray codes, taken for depth, as further patterns for fits.
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "core/base/log.h"
+#include "core/patterns/patterns.h"
+#include "rig/import/import_steps.h"
+
+#define WIDTH_LEAST 4.0 // of a code's stripes, pixels of the capture: narrower ones are not resolved
+#define SAME 0.02       // mean difference of two patterns that are one and the same
+#define SHOWN 0.5F      // of white: a pixel of the ideal projector's picture that is on the panel
+
+// Whether two patterns, or one and the other's inverse, are the same where the panel is.
+static bool is_same(const FfpImage *a, const FfpImage *b, const FfpImage *white) {
+    double off = 0, off_inverse = 0, area = 0;
+    for (size_t i = 0; i < 3 * (size_t)white->width * (size_t)white->height; i++) {
+        if (!(white->data[i] > SHOWN)) continue;
+        off += fabs((double)(a->data[i] - b->data[i]));
+        off_inverse += fabs((double)(1 - a->data[i] - b->data[i]));
+        area++;
+    }
+    return fmin(off, off_inverse) < SAME * area;
+}
+
+// Whether the capture has the pattern already, held out or not, itself or its inverse: of what is held out
+// nothing may be seen.
+static bool is_known(const FfpCapture *capture, const FfpPattern *code) {
+    const FfpImage *white = &capture->patterns[capture->white].image;
+    if (ffp_capture_find_pattern(capture, code->name) >= 0) return true;
+    for (int p = 0; p < ffp_patterns_shown(capture); p++)
+        if (p != capture->black && p != capture->white &&
+            is_same(&code->image, &capture->patterns[p].image, white))
+            return true;
+    return false;
+}
+
+// The code with this number as the capture's last pattern, unless it has it already.
+static bool add_code(FfpImporting *import, int index) {
+    FfpCapture *capture = &import->capture;
+    FfpPattern *code = &capture->patterns[capture->n_patterns];
+    char name[32];
+    if (capture->n_patterns == FFP_PATTERNS_MAX) return false;
+    FfpImage raw = ffp_importing_code_pattern(&import->coded, index);
+    ffp_gray_code_name(import->coded.width, index, name);
+    snprintf(code->name, sizeof code->name, "%s", name);
+    code->image = ffp_optics_rectify(&import->calibration.projector, &capture->views[0].projector, &raw);
+    ffp_image_free(&raw);
+    if (is_known(capture, code)) {
+        ffp_image_free(&code->image);
+        return false;
+    }
+    code->novel = true;
+    capture->n_patterns++, capture->n_codes++;
+    return true;
+}
+
+// Numbers of the chosen codes, [settings->codes]: of columns and rows in turn, from the finest that the
+// capture's pixels resolve to coarser ones; every other one of an axis as its inverse, so that no part of the
+// panel is dark in all of them. Returns how many there are.
+static int choose(FfpImporting *import, int *chosen) {
+    const int size[2] = {import->coded.width, import->coded.height};
+    const int bits[2] = {ffp_gray_code_bits(size[0]), ffp_gray_code_bits(size[1])};
+    int bit[2], taken[2] = {0}, n = 0;
+    for (int axis = 0; axis < 2; axis++) {
+        bit[axis] = bits[axis] - 1;
+        while (bit[axis] > 0 && ldexp(1, bits[axis] - bit[axis]) < WIDTH_LEAST * import->code_step)
+            bit[axis]--;
+    }
+    for (int axis = 0; n < import->settings->codes && (bit[0] >= 0 || bit[1] >= 0); axis = 1 - axis) {
+        while (bit[axis] >= 0) {
+            const int pair = (axis ? bits[0] : 0) + bit[axis]--, index = 2 * pair + taken[axis] % 2;
+            if (!add_code(import, index)) continue;
+            chosen[n++] = index;
+            taken[axis]++;
+            break;
+        }
+    }
+    return n;
+}
+
+static bool load_view(FfpImporting *import, int stop, const int *chosen, int n, FfpError *err) {
+    FfpView *view = &import->capture.views[stop];
+    const int first = ffp_patterns_shown(&import->capture);
+    for (int k = 0; k < n; k++) {
+        FfpImage *image = &view->images[first + k], alpha = {0};
+        const char *path = import->shots.codes[(ptrdiff_t)stop * import->shots.n_codes + chosen[k]];
+        if (!ffp_importing_read_picture(import, path, stop, image, &alpha, err)) return false;
+        if (!alpha.data) ffp_mask_apply(&view->coverage, image);
+        ffp_image_free(&alpha);
+    }
+    return true;
+}
+
+bool ffp_importing_keep_codes(FfpImporting *import, FfpError *err) {
+    FfpCapture *capture = &import->capture;
+    const bool cut = import->settings->projector.fit == FFP_PICTURES_CROPPED; // codes are of the whole panel
+    if (!import->shots.codes || cut || import->settings->codes == 0) return true;
+    int *chosen = ffp_alloc((size_t)import->settings->codes, sizeof *chosen);
+    const int n = choose(import, chosen);
+    bool ok = true;
+    for (int v = 0; v < capture->n_views && ok; v++)
+        if (capture->views[v].correspondence.data) ok = load_view(import, v, chosen, n, err);
+    ffp_free(chosen);
+    if (ok && n > 0)
+        ffp_note("photographs of %d Gray codes, from %s to %s, are kept for fits", n,
+                 capture->patterns[ffp_patterns_shown(capture)].name,
+                 capture->patterns[capture->n_patterns - 1].name);
+    return ok;
+}
