@@ -18,6 +18,8 @@ static FfpView padded_view(const FfpView *view, int n_patterns, const int *pictu
                            int height) {
     FfpView out = {.camera = view->camera,
                    .projector = view->projector,
+                   .near = view->near,
+                   .far = view->far,
                    .frame_width = ffp_frame_width(view),
                    .frame_height = ffp_frame_height(view)};
     memcpy(out.id, view->id, sizeof out.id);

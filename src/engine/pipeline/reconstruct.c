@@ -146,6 +146,11 @@ static bool polish(Work *w, const FfpReconstruction *options, FfpReconstructionS
     return true;
 }
 
+// It has learned objects, not whole scenes.
+static bool uses_network(const FfpCapture *capture, const FfpReconstruction *options) {
+    return options->model && !capture->scene;
+}
+
 static bool predict(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats, FfpError *err) {
     int n;
     const int *patterns = patterns_of(w, &n);
@@ -153,7 +158,7 @@ static bool predict(Work *w, const FfpReconstruction *options, FfpReconstruction
     double begin = ffp_seconds();
     if (!ffp_initialisation_new(&w->start, &w->padded, patterns, n, &settings, err)) return false;
     stats->initialisation_s = ffp_seconds() - begin;
-    if (!options->model || w->capture.scene) { // the network has learned objects
+    if (!uses_network(&w->capture, options)) {
         w->result = ffp_initialisation_gaussians(&w->padded, &w->start);
         w->pixel = ffp_initialisation_pixels(&w->start);
         return true;
@@ -246,8 +251,8 @@ static bool begin(Work *w, const FfpCapture *capture, const FfpReconstruction *o
     *clean = ffp_denoise_capture(&w->capture, photographs, n, &stats->noise);
     stats->denoise_s = ffp_seconds() - started;
     snprintf(stats->pattern, sizeof stats->pattern, "%s", capture->patterns[photographs[FIRST_PATTERN]].name);
-    w->padded =
-        ffp_padded_capture(&w->capture, photographs, n, options->model ? options->model->config.patch : 1);
+    w->padded = ffp_padded_capture(&w->capture, photographs, n,
+                                   uses_network(&w->capture, options) ? options->model->config.patch : 1);
     return true;
 }
 

@@ -11,6 +11,7 @@
 #include "engine/refine/refine.h"
 #include "ffprocams.h"
 #include "support.h"
+#include "world/synth/synth.h"
 
 #define SAMPLE FFP_SOURCE_DIR "/data/sample"
 
@@ -138,9 +139,48 @@ static void test_padding_is_not_background(void **state) {
     ffp_capture_close(capture);
 }
 
+static FfpCapture make_scene(void) {
+    FfpError err = {0};
+    FfpCapture capture;
+    FfpSceneSpec spec = ffp_scene_defaults();
+    spec.rig = FFP_SCENE_WALK;
+    spec.resolution = 56, spec.pattern_side = 60;
+    spec.views = 2, spec.targets = 0, spec.lollipops = 1;
+    spec.samples = 1, spec.ambient_rays = 1;
+    if (!ffp_scene_make(&capture, &spec, &err)) fail_msg("%s", err.text);
+    return capture;
+}
+
+// A whole scene has no silhouettes, and the range of its depths must survive the padding. `other` is how
+// much lower the second view is than the first.
+static void try_scene(int width, int height, int other, const FfpModel *model) {
+    FfpError err = {0};
+    FfpCapture scene = make_scene();
+    for (int v = 0; v < scene.n_views; v++) reframe(&scene, v, 2, 1, width, height - v * other);
+    const FfpReconstruction how = {.model = model, .polish = 4, .noise = 0};
+    FfpReconstructionStats stats;
+    FfpGaussians *gaussians = ffp_reconstruct(NULL, &scene, &how, &stats, &err);
+    if (!gaussians) fail_msg("%d x %d: %s", width, height, err.text);
+    assert_true(ffp_reconstruction_score(gaussians, &scene, &how, &stats, &err));
+    if (!(stats.psnr > 20)) fail_msg("%d x %d: %.2f dB", width, height, stats.psnr);
+    ffp_gaussians_close(gaussians);
+    ffp_capture_free(&scene);
+}
+
+static void test_scenes_of_any_size(void **state) {
+    (void)state;
+    static const int sizes[12][2] = {{56, 55}, {55, 56}, {53, 41}, {49, 50}, {47, 33}, {45, 45},
+                                     {43, 52}, {42, 38}, {41, 31}, {39, 54}, {36, 28}, {33, 33}};
+    FfpModel *model = untrained();
+    for (int i = 0; i < 12; i++) try_scene(sizes[i][0], sizes[i][1], i % 3, model);
+    try_scene(48, 40, 8, NULL);
+    ffp_model_free(model);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_views_of_different_sizes),
                                        cmocka_unit_test(test_background_around_changes_nothing),
-                                       cmocka_unit_test(test_padding_is_not_background)};
+                                       cmocka_unit_test(test_padding_is_not_background),
+                                       cmocka_unit_test(test_scenes_of_any_size)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
