@@ -159,10 +159,17 @@ class Renderer {
     return dot3(axisOf(device.pose, 2), sub3(this.scene.centre, positionOf(device.pose)));
   }
 
+  // Whether this projector casts shadows: those of one at the baked light are in the albedo (ffp_shadows_are_baked).
+  castsShadows(projector) {
+    const {baked} = this.scene;
+    return this.settings.shadows &&
+           !(baked && length3(sub3(positionOf(projector.device.pose), baked.light)) <= baked.within);
+  }
+
   // ffp_shadow_map; `projector` keeps it while it stays where it is.
   drawShadow(projector) {
     const key = JSON.stringify(projector.device);
-    if (!this.settings.shadows || key === projector.shadowKey) return;
+    if (!this.castsShadows(projector) || key === projector.shadowKey) return;
     const device = shadowDevice(projector.device, this.settings.shadow_side);
     projector.shadow = this.graphics.fit(projector.shadow, device.width, device.height, [this.sumFormat]);
     projector.shadowDepth = this.centreDepth(projector.device);
@@ -171,12 +178,13 @@ class Renderer {
   }
 
   lightUniforms(projector, camera) {
+    const shadows = this.castsShadows(projector);
     const shown = projector.pattern; // none: only for a pattern of 1 all over
     return {
       ...deviceUniforms('camera', camera), ...deviceUniforms('projector', projector.device),
-      u_shadow: this.settings.shadows ? projector.shadow.textures[0] : null,
+      u_shadow: shadows ? projector.shadow.textures[0] : null,
       u_shadow_depth: projector.shadowDepth || 0, u_shadow_bias: this.settings.shadow_bias,
-      u_shadows: this.settings.shadows, u_footprint: this.settings.footprint, u_white: false,
+      u_shadows: shadows, u_footprint: this.settings.footprint, u_white: false,
       u_pattern: shown ? shown.texture : null, u_levels: shown ? shown.levels : 1,
       u_intensity: scale3(this.scene.intensity, projector.brightness),
     };

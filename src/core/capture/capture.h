@@ -58,6 +58,9 @@ typedef struct FfpPanel {
     real lens[5];        // k1 k2 p1 p2 k3 of OpenCV's Brown-Conrady model
     bool power;          // light is v^gamma ...
     real gamma[3];       // ... per channel; otherwise the sRGB curve of v
+    real
+        blur; // deviation of the Gaussian, in pixels of the ideal projector, through which its pictures reach
+              // the surface and the camera; the capture's patterns are filtered by it. 0: none is known
 } FfpPanel;
 
 typedef struct FfpCapture {

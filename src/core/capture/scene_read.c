@@ -8,6 +8,7 @@
 #define LENS_MAX 1e4    // of a lens's coefficients
 #define GAMMA_LEAST 0.1 // of a projector
 #define GAMMA_MOST 10
+#define BLUR_MAX 64 // pixels
 
 // width, height, fx, fy, cx, cy; every key may be missing when `device` holds it already (an override of a
 // view's own).
@@ -49,6 +50,9 @@ static bool read_panel(const FfpNode *projector, FfpPanel *panel, FfpError *err)
     }
     if (ffp_node_find(&field, "lens", &part) &&
         !ffp_node_numbers(&part, 5, -LENS_MAX, LENS_MAX, panel->lens, err))
+        return false;
+    if (ffp_node_find(&field, "blur", &part) &&
+        !ffp_get_number(&field, "blur", 0, BLUR_MAX, &panel->blur, err))
         return false;
     panel->power = ffp_node_find(&field, "gamma", &part);
     if (panel->power && !ffp_node_numbers(&part, 3, GAMMA_LEAST, GAMMA_MOST, panel->gamma, err)) return false;

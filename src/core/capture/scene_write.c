@@ -50,6 +50,7 @@ static json_t *describe_panel(const FfpPanel *panel) {
                              (double)panel->cy);
     json_object_set_new(json, "lens", numbers(panel->lens, 5));
     if (panel->power) json_object_set_new(json, "gamma", numbers(panel->gamma, 3));
+    if (panel->blur > 0) json_object_set_new(json, "blur", json_real((double)panel->blur));
     return json;
 }
 

@@ -39,6 +39,7 @@ FfpGaussians ffp_gaussians_copy(const FfpGaussians *from) {
     for (int a = 0; a < FFP_ATTRIBUTES; a++)
         ffp_memory_copy(ffp_attribute(&to, a).data, ffp_attribute(from, a).data, bytes_of(from, a));
     memcpy(to.made_from, from->made_from, sizeof to.made_from);
+    to.baked = from->baked;
     return to;
 }
 
@@ -62,7 +63,7 @@ void ffp_gaussians_clear(FfpGaussians *gaussians) {
 }
 
 FfpGaussians ffp_gaussians_uploaded(const FfpGaussians *host) {
-    FfpGaussians there = {.count = host->count};
+    FfpGaussians there = {.count = host->count, .baked = host->baked};
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute from = ffp_attribute(host, a);
         *array_of(&there, a) =
@@ -77,7 +78,7 @@ void ffp_gaussians_download(FfpGaussians *host, const FfpGaussians *gaussians) {
 }
 
 FfpGaussians ffp_gaussians_downloaded(const FfpGaussians *gaussians) {
-    FfpGaussians host = {.count = gaussians->count};
+    FfpGaussians host = {.count = gaussians->count, .baked = gaussians->baked};
     for (int a = 0; a < FFP_ATTRIBUTES; a++)
         *array_of(&host, a) =
             ffp_alloc((size_t)gaussians->count, (size_t)ffp_attributes[a].width * sizeof(real));
@@ -92,6 +93,19 @@ void ffp_gaussians_transform(FfpGaussians *gaussians, const real offset[3], real
             gaussians->scale[3 * i + c] *= radius;
         }
     }
+    FfpBakedShadows *baked = &gaussians->baked;
+    for (int c = 0; c < 3; c++) baked->light[c] = baked->light[c] * radius + offset[c];
+    baked->within *= radius;
+}
+
+bool ffp_shadows_are_baked(const FfpGaussians *gaussians, const real pose[16]) {
+    const FfpBakedShadows *baked = &gaussians->baked;
+    real squared = 0;
+    for (int c = 0; c < 3; c++) {
+        const real off = pose[4 * c + 3] - baked->light[c];
+        squared += off * off;
+    }
+    return baked->within > 0 && squared <= baked->within * baked->within;
 }
 
 void ffp_gaussians_keep_drawn(FfpGaussians *gaussians) {

@@ -11,6 +11,13 @@
 #define FFP_GAUSSIANS_MAX 50000000
 #define FFP_MADE_FROM 512 // bytes
 
+// A projector that stood still while the photographs were taken leaves its shadows in the albedo, exactly as
+// they were photographed: a renderer casts none from there, and its own from anywhere else.
+typedef struct FfpBakedShadows {
+    real light[3]; // the projector's place, world
+    real within;   // a projector up to this far from it counts as the same, world units; 0: none are baked
+} FfpBakedShadows;
+
 typedef struct FfpGaussians {
     int64_t count;
     real *centre;                  // [count,3] world
@@ -22,6 +29,7 @@ typedef struct FfpGaussians {
     real *ambient;                 // [count,3] linear radiance shown when the projector is black
     char made_from[FFP_MADE_FROM]; // structured-light patterns whose photographs they were fitted to, each
                                    // name with a '\n' after it; "": not known
+    FfpBakedShadows baked;
 } FfpGaussians;
 
 // The attributes, in one table, through which code that treats them all alike goes (memory, gradients, files,
@@ -60,9 +68,12 @@ void ffp_gaussians_clear(FfpGaussians *gaussians); // all numbers become 0
 FfpGaussians ffp_gaussians_uploaded(const FfpGaussians *host);
 FfpGaussians ffp_gaussians_downloaded(const FfpGaussians *gaussians);
 void ffp_gaussians_download(FfpGaussians *host, const FfpGaussians *gaussians); // into a set of as many
-// centre <- centre * radius + offset, scale <- scale * radius: from the network's unit sphere back to the
-// world.
+// centre <- centre * radius + offset, scale <- scale * radius, the baked light likewise: from the network's
+// unit sphere back to the world.
 void ffp_gaussians_transform(FfpGaussians *gaussians, const real offset[3], real radius);
+
+// Whether the shadows of a projector with this pose (row-major 4x4, projector to world) are baked.
+bool ffp_shadows_are_baked(const FfpGaussians *gaussians, const real pose[16]);
 
 // Takes out those of an opacity below FFP_OPACITY_LEAST, which no file holds (ffp_gaussians_write_drawn); the
 // others keep their order. None is taken out where all are that faint.

@@ -41,7 +41,7 @@ typedef unsigned char RowBytes[4 * FFP_ROW_NUMBERS];
 // Gaussian that nobody keeps.
 static int print_row(const FfpGaussians *gaussians, int64_t index, RowBytes bytes) {
     real centre[3], scale[3], rotation[4], opacity, albedo[3], roughness, ambient[3];
-    FfpGaussians one = {1, centre, scale, rotation, &opacity, albedo, &roughness, ambient, ""};
+    FfpGaussians one = {1, centre, scale, rotation, &opacity, albedo, &roughness, ambient, "", {{0}, 0}};
     float row[FFP_ROW_NUMBERS];
     ffp_row_encode(gaussians, index, row);
     for (int c = 0; c < FFP_ROW_NUMBERS; c++) put_float(bytes + 4 * c, row[c]);
@@ -80,7 +80,7 @@ bool ffp_gaussians_write(const FfpGaussians *gaussians, const char *path, real o
     for (int64_t i = 0; i < gaussians->count; i++) kept += !(gaussians->opacity[i] < opacity_min);
     FfpOutput out;
     if (!ffp_output_open(&out, path, err)) return false;
-    ffp_ply_header_write(out.stream, kept, gaussians->made_from);
+    ffp_ply_header_write(out.stream, kept, gaussians);
     if (!write_rows(out.stream, gaussians, path, opacity_min, err)) {
         ffp_output_abort(&out);
         return false;
@@ -159,6 +159,7 @@ static bool read_ply(FfpGaussians *gaussians, const char *path, FfpError *err) {
     if (ok) {
         *gaussians = ffp_gaussians_new(header.count);
         memcpy(gaussians->made_from, header.made_from, sizeof header.made_from);
+        gaussians->baked = header.baked;
         ok = read_rows(gaussians, &header, stream, path, err);
         if (ok && header.plain) ffp_splats_note(path);
         if (!ok) ffp_gaussians_free(gaussians);

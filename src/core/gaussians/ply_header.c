@@ -1,10 +1,12 @@
 #include "core/gaussians/ply_header.h"
 #include <errno.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define PATTERN "comment made from pattern "
+#define BAKED "comment shadows baked from "
 
 enum { LINE_BYTES = 512, LINES_MAX = 4096, STRIDE_MAX = 65536 };
 
@@ -92,6 +94,18 @@ static bool starts_with(const char *line, const char *word) {
     return strncmp(line, word, strlen(word)) == 0;
 }
 
+// X Y Z within R, in world units.
+static bool read_baked(FfpBakedShadows *baked, const char *text) {
+    double light[3], within;
+    char rest[2];
+    if (sscanf(text, "%lf %lf %lf within %lf %1s", &light[0], &light[1], &light[2], &within, rest) != 4)
+        return false;
+    for (int k = 0; k < 3; k++) baked->light[k] = (real)light[k];
+    baked->within = (real)within;
+    return isfinite(baked->light[0]) && isfinite(baked->light[1]) && isfinite(baked->light[2]) &&
+           isfinite(baked->within) && baked->within > 0;
+}
+
 bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, FfpError *err) {
     char line[LINE_BYTES];
     *header = (FfpPlyHeader){.count = -1};
@@ -102,6 +116,8 @@ bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, F
         return ffp_fail(err, FFP_ERROR_FILE, path, "PLY is not binary_little_endian 1.0");
     for (int i = 0; i < LINES_MAX && read_line(stream, line); i++) {
         if (strcmp(line, "end_header") == 0) return check_complete(header, path, err);
+        if (starts_with(line, BAKED) && !read_baked(&header->baked, line + strlen(BAKED)))
+            return ffp_fail(err, FFP_ERROR_FILE, path, "PLY header: cannot understand \"%.60s\"", line);
         if (starts_with(line, PATTERN)) ffp_made_from_add(header->made_from, line + strlen(PATTERN));
         if (starts_with(line, "comment") || starts_with(line, "obj_info")) continue;
         if (starts_with(line, "element ")) {
@@ -115,10 +131,14 @@ bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, F
     return ffp_fail(err, FFP_ERROR_FILE, path, "PLY header has no end");
 }
 
-void ffp_ply_header_write(FILE *stream, int64_t count, const char *made_from) {
+void ffp_ply_header_write(FILE *stream, int64_t count, const FfpGaussians *gaussians) {
+    const FfpBakedShadows *baked = &gaussians->baked;
     fprintf(stream, "ply\nformat binary_little_endian 1.0\ncomment relightable Gaussians of ffprocams %s\n",
             FFP_VERSION);
-    for (const char *at = made_from; *at; at = strchr(at, '\n') + 1)
+    if (baked->within > 0)
+        fprintf(stream, "%s%.9g %.9g %.9g within %.9g\n", BAKED, (double)baked->light[0],
+                (double)baked->light[1], (double)baked->light[2], (double)baked->within);
+    for (const char *at = gaussians->made_from; *at; at = strchr(at, '\n') + 1)
         fprintf(stream, "%s%.*s\n", PATTERN, (int)strcspn(at, "\n"), at);
     fprintf(stream, "element vertex %" PRId64 "\n", count);
     for (int i = 0; i < FFP_ROW_NUMBERS; i++) fprintf(stream, "property float %s\n", ffp_row_names[i]);

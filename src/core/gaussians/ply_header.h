@@ -14,6 +14,7 @@ typedef struct FfpPlyHeader {
     bool plain;                  // splats of other programs: without albedo and roughness
     bool flat;                   // discs (2DGS): without the third scale
     char made_from[FFP_MADE_FROM];
+    FfpBakedShadows baked;
 } FfpPlyHeader;
 
 // Reads up to and including the line "end_header". Accepts one element "vertex" with scalar properties in any
@@ -22,6 +23,7 @@ typedef struct FfpPlyHeader {
 // that is missing, a property that is duplicate or not a float, a count that is not a number or above
 // FFP_GAUSSIANS_MAX.
 bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, FfpError *err);
-void ffp_ply_header_write(FILE *stream, int64_t count, const char *made_from);
+// That of `count` of the Gaussians.
+void ffp_ply_header_write(FILE *stream, int64_t count, const FfpGaussians *gaussians);
 
 #endif

@@ -110,6 +110,10 @@ void ffp_mask_apply(const FfpImage *mask, FfpImage *image);
 FfpImage ffp_image_resize(const FfpImage *image, int width, int height);
 FfpImage ffp_image_resize_rows(const FfpRows *rows, int width, int height);
 
+// Through a Gaussian of this deviation in pixels, to three of them, in place; edges are repeated. 0:
+// unchanged.
+void ffp_image_blur(FfpImage *image, real deviation);
+
 // Bilinear sample at (u,v) in pixels, centres at +0.5, edge clamped, into out[channels].
 void ffp_image_sample(const FfpImage *image, real u, real v, real *out);
 

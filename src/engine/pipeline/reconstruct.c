@@ -28,6 +28,7 @@ _Static_assert(FFP_POLISH_STEPS == FFP_POLISH_DEFAULT_STEPS, "one number, in two
 #define POLISH_VIEWS 8     // up to which the polish has FFP_POLISH_STEPS
 #define VIEWS_SCORED 16    // to see whether the network misleads
 #define FEW_VIEWS 4        // fewer than these leave sides of any object out
+#define SAME_PLACE 0.01    // between projectors' places that count as one, in radii
 #define SPLATS_ALL 200000  // that are kept where nobody says how many,
 #define LAYERS_OF_MORE 2   // and of more
 
@@ -210,9 +211,22 @@ static void forget_maps(FfpInitialisation *start) {
     *start = size;
 }
 
+// Where one projector stood still, its shadows are what the photographs show them to be: baked, the fit finds
+// them splat by splat, and no error of a depth somewhere else puts a surface into the dark.
+static FfpBakedShadows shadows_to_bake(const FfpCapture *capture) {
+    const FfpView *first = &capture->views[0];
+    FfpBakedShadows baked = {.within = SAME_PLACE};
+    for (int k = 0; k < 3; k++) baked.light[k] = first->projector.pose[4 * k + 3];
+    const FfpGaussians here = {.baked = baked};
+    for (int v = 1; v < capture->n_views; v++)
+        if (!ffp_shadows_are_baked(&here, capture->views[v].projector.pose)) return (FfpBakedShadows){0};
+    return baked;
+}
+
 static bool predict_and_polish(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats,
                                FfpError *err) {
     if (!predict(w, options, stats, err)) return false;
+    w->result.baked = shadows_to_bake(&w->capture);
     const double begin = ffp_seconds();
     ffp_prune_contradicted(w->result.opacity, w->result.centre, w->pixel, w->result.count, &w->padded,
                            &w->start);

@@ -69,6 +69,7 @@ FfpCoarse ffp_coarse_new(const FfpGaussians *fine, const FfpOrigin *o, int side)
     int64_t *leader = ffp_alloc((size_t)blocks, sizeof *leader), count = 0;
     c.of_block = ffp_alloc((size_t)blocks, sizeof *c.of_block);
     c.gaussians = ffp_gaussians_new(find_leaders(fine, o, &c, leader));
+    c.gaussians.baked = fine->baked;
     for (int64_t b = 0; b < blocks; b++) c.of_block[b] = leader[b] < 0 ? -1 : count++;
     for (int64_t i = 0; i < fine->count; i++) {
         const int64_t b = block_of(o, o->pixel[i], side, c.across, c.down), l = leader[b];

@@ -120,6 +120,7 @@ static void copy(FfpGaussians *to, const FfpGaussians *from) {
         ffp_gaussians_free(to);
         *to = ffp_gaussians_new(from->count);
     }
+    to->baked = from->baked;
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute x = ffp_attribute(from, a);
         ffp_memory_copy(ffp_attribute(to, a).data, x.data,
@@ -267,6 +268,7 @@ static Fit fit_new(const FfpGaussians *gaussians, const FfpCapture *capture, con
     for (int v = 0; v < capture->n_views; v++) fit.order[v] = v;
     fit.rng = ffp_rng(settings->seed, 1);
     ffp_parameters_decode(&fit.parameters, &fit.gaussians);
+    fit.gaussians.baked = gaussians->baked;
     copy(&fit.best, &fit.gaussians);
     return fit;
 }

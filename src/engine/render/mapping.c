@@ -23,7 +23,7 @@ static FfpCamera shadow_camera(const FfpCamera *projector, int side) {
 
 FfpGbuffer ffp_shadow_map(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *projector,
                           const FfpRenderSettings *settings) {
-    if (!settings->shadows) return (FfpGbuffer){0};
+    if (!settings->shadows || ffp_shadows_are_baked(gaussians, projector->pose)) return (FfpGbuffer){0};
     const FfpCamera camera = shadow_camera(projector, settings->shadow_side > 0 ? settings->shadow_side : 1);
     FfpGbuffer *shadow = &raster->shadow;
     if (shadow->width != camera.width || shadow->height != camera.height) {

@@ -88,8 +88,8 @@ void ffp_map_to_projector(FfpRaster *raster, const FfpGaussians *gaussians, cons
                           const FfpCamera *camera, const FfpCamera *projector,
                           const FfpRenderSettings *settings, FfpMapping *out);
 // Its two parts, of which the second leaves out->even as it is. The shadow map holds opacity and depth as the
-// projector sees them, its longer side settings->shadow_side pixels, and is of size 0 when shadows are off;
-// its planes are the raster's.
+// projector sees them, its longer side settings->shadow_side pixels, and is of size 0 when shadows are off
+// or those of this projector are baked; its planes are the raster's.
 FfpGbuffer ffp_shadow_map(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *projector,
                           const FfpRenderSettings *settings);
 void ffp_map_with_shadow(const FfpGbuffer *shadow, const FfpGbuffer *gbuffer, const FfpCamera *camera,

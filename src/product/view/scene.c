@@ -166,6 +166,13 @@ static void write_drawing(FILE *out, const FfpRenderSettings *s) {
         (double)s->shadow_bias);
 }
 
+static void write_baked(FILE *out, const FfpBakedShadows *baked) {
+    if (!(baked->within > 0)) return;
+    fputs("\"baked\":{\"light\":", out);
+    write_numbers(out, baked->light, 3);
+    fprintf(out, ",\"within\":%.9g},\n", (double)baked->within);
+}
+
 static void write_splats(Writer *w) {
     float low[FFP_PAGE_COLUMNS], high[FFP_PAGE_COLUMNS];
     const int64_t count = ffp_pack_splats(w->packed, w->source->gaussians, low, high);
@@ -204,6 +211,7 @@ char *ffp_page_scene(const FfpPageContent *source, FfpByteBuffer *packed, FfpPag
     fputs(",\n", w.out);
     write_drawing(w.out, source->settings);
     write_panel(w.out, &capture->panel);
+    write_baked(w.out, &source->gaussians->baked);
     write_splats(&w);
     if (write_patterns(&w, err) && write_views(&w, err)) return ffp_text_end(text);
     ffp_text_free(text);

@@ -74,6 +74,25 @@ void ffp_optics_pinhole(const FfpOptics *optics, int width, FfpCamera *pinhole) 
     pinhole->fy = (real)(optics->fy * y), pinhole->cy = (real)(optics->cy * y);
 }
 
+void ffp_optics_frame_all(const FfpOptics *optics, int border, FfpCamera *pinhole) {
+    enum { STEPS = 64 }; // along each side
+    double low[2] = {0, 0}, high[2] = {pinhole->width, pinhole->height};
+    for (int i = 0; i < 4 * STEPS; i++) {
+        const double along = (i / 4) / (double)(STEPS - 1), side = i % 4 / 2;
+        const double x = (i % 2 ? along : side) * optics->width, y = (i % 2 ? side : along) * optics->height;
+        double ray[2];
+        if (!ffp_lens_undistort(optics->lens, (x - optics->cx) / optics->fx, (y - optics->cy) / optics->fy,
+                                ray))
+            continue;
+        const double at[2] = {(double)pinhole->cx + (double)pinhole->fx * ray[0],
+                              (double)pinhole->cy + (double)pinhole->fy * ray[1]};
+        for (int k = 0; k < 2; k++) low[k] = fmin(low[k], at[k]), high[k] = fmax(high[k], at[k]);
+    }
+    const int left = border + (int)ceil(-low[0]), top = border + (int)ceil(-low[1]);
+    pinhole->width = left + border + (int)ceil(high[0]), pinhole->height = top + border + (int)ceil(high[1]);
+    pinhole->cx += (real)left, pinhole->cy += (real)top;
+}
+
 static int samples_across(double old_focal, double new_focal) {
     const double span = ceil(old_focal / new_focal - 1e-6);
     return span < 1 ? 1 : span > SAMPLES_MAX ? SAMPLES_MAX : (int)span;

@@ -19,6 +19,9 @@ bool ffp_optics_settle(FfpOptics *optics, const FfpPictureSize *at, int width, i
                        const char *path, FfpError *err);
 // The pinhole camera that shows the same field at `width` pixels (0: as many as before). Pose not touched.
 void ffp_optics_pinhole(const FfpOptics *optics, int width, FfpCamera *pinhole);
+// Widens the pinhole's frame, at the same focal lengths, to hold all that the optics' picture shows and
+// `border` pixels around it.
+void ffp_optics_frame_all(const FfpOptics *optics, int border, FfpCamera *pinhole);
 // The picture as the pinhole would have seen it: for each of its pixels the mean of n x n bilinear samples,
 // n being how many old pixels a new one spans. Taken on the values given, which should be linear radiance:
 // what a pixel's area receives adds up. Black beyond the old picture. A pinhole that changes nothing copies.

@@ -70,8 +70,7 @@ bool ffp_importing_finish(const char *folder, void *context, FfpError *err) {
            ffp_importing_write_sheet(folder, context, err) && ffp_importing_write_masks(folder, context, err);
 }
 
-static bool run(FfpImporting *import, FfpError *err) {
-    import->capture.scene = import->settings->scene;
+static bool make_capture(FfpImporting *import, FfpError *err) {
     return check_settings(import->settings, err) && ffp_importing_check_scene(import, err) &&
            name_capture(import, err) && ffp_importing_read_rig(import, err) &&
            ffp_shots_find(&import->shots, &import->settings->sources, &import->calibration, err) &&
@@ -79,8 +78,14 @@ static bool run(FfpImporting *import, FfpError *err) {
            ffp_importing_load_pixels(import, err) && ffp_importing_load_stage(import, err) &&
            ffp_importing_complete_masks(import, err) && ffp_importing_load_codes(import, err) &&
            ffp_importing_find_axis(import, err) && settle_object(import, err) &&
-           ffp_importing_keep_codes(import, err) && ffp_importing_find_response(import, err) &&
-           ffp_capture_write_whole(&import->capture, import->settings->folder, ffp_importing_finish, import,
+           ffp_importing_keep_codes(import, err) && ffp_importing_find_response(import, err);
+}
+
+static bool run(FfpImporting *import, FfpError *err) {
+    import->capture.scene = import->settings->scene;
+    if (!make_capture(import, err)) return false;
+    ffp_importing_find_blur(import);
+    return ffp_capture_write_whole(&import->capture, import->settings->folder, ffp_importing_finish, import,
                                    err);
 }
 

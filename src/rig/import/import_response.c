@@ -6,6 +6,7 @@
 #include "core/base/log.h"
 #include "core/capture/manifest.h"
 #include "rig/checks/checks.h"
+#include "rig/import/blur.h"
 #include "rig/import/import_steps.h"
 
 #define BETTER 0.99       // of the error without a response: what one must reach to be kept
@@ -101,6 +102,19 @@ bool ffp_importing_find_response(FfpImporting *import, FfpError *err) {
                         "check poses and the pattern's file");
     log_response(&import->response, errors);
     return true;
+}
+
+// Patterns become as soft as they reached the camera.
+void ffp_importing_find_blur(FfpImporting *import) {
+    FfpCapture *capture = &import->capture;
+    const double blur = ffp_fit_blur(capture);
+    if (!(blur > 0)) return;
+    for (int p = 0; p < capture->n_patterns; p++) ffp_image_blur(&capture->patterns[p].image, (real)blur);
+    capture->panel.blur = (real)blur;
+    ffp_note(
+        "the patterns reach the camera through a blur of %.1f of the projector's pixels (deviation): they "
+        "are kept as soft as that",
+        blur);
 }
 
 // Puts the response into the capture's JSON: what was found is kept though patterns hold it already.

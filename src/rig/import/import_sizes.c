@@ -6,6 +6,8 @@
 #include "core/image/photograph.h"
 #include "rig/import/import_steps.h"
 
+#define RIM 4 // pixels of darkness around a picture whose end is in view
+
 static bool settle_projector(FfpImporting *import, FfpCamera *pinhole, FfpError *err) {
     FfpOptics *optics = &import->calibration.projector;
     const FfpPictureSize *at = &import->settings->projector;
@@ -39,6 +41,7 @@ static bool settle_projector(FfpImporting *import, FfpCamera *pinhole, FfpError 
         return false;
     }
     ffp_optics_pinhole(optics, 0, pinhole);
+    if (import->settings->scene) ffp_optics_frame_all(optics, RIM, pinhole);
     if (panel.width == 0) panel.width = optics->width, panel.height = optics->height;
     ffp_panel_describe(&import->capture.panel, &panel);
     import->coded = at->fit == FFP_PICTURES_CROPPED ? panel : *optics; // codes are never cut out

@@ -258,7 +258,7 @@ static bool write_photograph(const void *argument, int index, int pattern, FfpIm
     name_photograph(subject, sent, folder, name);
     snprintf(file, sizeof file, "%s/%s.JPG", folder, name);
     if (!path_in(job, file, path, err)) return false;
-    if (job->room.camera_defocus > 0) ffp_sensor_blur(light, job->room.camera_defocus);
+    if (job->room.camera_defocus > 0) ffp_image_blur(light, (real)job->room.camera_defocus);
     if (has_truth(subject, sent) && !write_truth(job, subject, sent, light, err)) return false;
     ffp_sensor_expose(light, &job->sensor, key_of(job->options->seed, index, pattern));
     ffp_image_to_srgb(light);

@@ -33,44 +33,6 @@ bool ffp_sensor_changes_light(const FfpSensor *s) {
     return s->gamma != 0 || s->black_level > 0 || s->defocus > 0;
 }
 
-// One line through the Gaussian, its ends repeated; `step` values from one to the next.
-static void blur_line(real *line, size_t step, int length, const float *kernel, int radius, float *keep) {
-    for (int i = 0; i < length; i++) keep[i] = (float)line[(size_t)i * step];
-    for (int i = 0; i < length; i++) {
-        float sum = 0;
-        for (int k = -radius; k <= radius; k++) {
-            const int j = i + k < 0 ? 0 : i + k >= length ? length - 1 : i + k;
-            sum += kernel[k + radius] * keep[j];
-        }
-        line[(size_t)i * step] = (real)sum;
-    }
-}
-
-void ffp_sensor_blur(FfpImage *image, float sigma) {
-    const int radius = (int)ceilf(3 * sigma), width = image->width, height = image->height;
-    const size_t row = (size_t)width * 3;
-    float *kernel = ffp_alloc((size_t)radius * 2 + 1, sizeof *kernel), total = 0;
-    for (int k = -radius; k <= radius; k++)
-        total += kernel[k + radius] = expf(-0.5F * (float)(k * k) / (sigma * sigma));
-    for (int k = 0; k <= 2 * radius; k++) kernel[k] /= total;
-    const size_t longest = (size_t)(width > height ? width : height);
-    float *all = ffp_alloc((size_t)omp_get_max_threads() * longest, sizeof *all);
-#pragma omp parallel
-    {
-        float *keep = all + (size_t)omp_get_thread_num() * longest;
-#pragma omp for schedule(static)
-        for (int y = 0; y < height; y++)
-            for (size_t c = 0; c < 3; c++)
-                blur_line(image->data + (size_t)y * row + c, 3, width, kernel, radius, keep);
-#pragma omp for schedule(static)
-        for (int x = 0; x < width; x++)
-            for (size_t c = 0; c < 3; c++)
-                blur_line(image->data + (size_t)x * 3 + c, row, height, kernel, radius, keep);
-    }
-    ffp_free(all);
-    ffp_free(kernel);
-}
-
 FfpImage ffp_sensor_emit(const FfpImage *pattern, const FfpSensor *s) {
     FfpImage out = ffp_image_copy(pattern);
     const size_t values = (size_t)out.width * (size_t)out.height * (size_t)out.channels;
@@ -78,7 +40,7 @@ FfpImage ffp_sensor_emit(const FfpImage *pattern, const FfpSensor *s) {
         const float value = (float)out.data[i], bent = s->gamma != 0 ? powf(value, 1 + s->gamma) : value;
         out.data[i] = (real)(s->black_level + (1 - s->black_level) * bent);
     }
-    if (s->defocus > 0) ffp_sensor_blur(&out, s->defocus);
+    if (s->defocus > 0) ffp_image_blur(&out, (real)s->defocus);
     return out;
 }
 

@@ -18,8 +18,6 @@ FfpImage ffp_sensor_emit(const FfpImage *pattern, const FfpSensor *sensor);
 float ffp_sensor_noise(float value, float shot, float read, uint32_t pixel, uint32_t picture);
 // The noise on every value of a linear picture, in place; `picture` keys it.
 void ffp_sensor_expose(FfpImage *light, const FfpSensor *sensor, uint32_t picture);
-// An image of 3 channels through a Gaussian of `sigma` pixels, in place; its edges are repeated.
-void ffp_sensor_blur(FfpImage *image, float sigma);
 // Moves a device's written pose: deviations of its turn (radians) and its place (world units), each axis by
 // itself.
 void ffp_sensor_misplace(FfpCamera *device, float turn, float shift, FfpRng *rng);

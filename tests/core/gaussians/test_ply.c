@@ -231,11 +231,56 @@ static void test_foreign_layout(void **state) {
     unlink(PATH);
 }
 
+static void write_with_comment(const char *comment) {
+    FILE *file = fopen(PATH, "wb");
+    fprintf(file, "ply\nformat binary_little_endian 1.0\n%s\nelement vertex 0\n", comment);
+    static const char *const names[] = {"x",     "y",     "z",     "opacity", "scale_0", "scale_1", "scale_2",
+                                        "rot_0", "rot_1", "rot_2", "rot_3",   "f_dc_0",  "f_dc_1",  "f_dc_2"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) fprintf(file, "property float %s\n", names[i]);
+    fputs("end_header\n", file);
+    fclose(file);
+}
+
+static void test_baked_shadows(void **state) {
+    (void)state;
+    FfpError err;
+    const real offset[3] = {1, 2, 3}, pose[16] = {1, 0, 0, 1, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 0, 1};
+    FfpGaussians a = random_gaussians(3), b;
+    assert_false(ffp_shadows_are_baked(&a, pose));
+    a.baked = (FfpBakedShadows){{0, -0.5F, -1}, 0.01F};
+    ffp_gaussians_transform(&a, offset, 2);
+    assert_true(a.baked.light[0] == 1 && a.baked.light[1] == 1 && a.baked.light[2] == 1);
+    if (!ffp_gaussians_write(&a, PATH, 0, &err) || !ffp_gaussians_read(&b, PATH, &err))
+        fail_msg("%s", err.text);
+    assert_memory_equal(&a.baked, &b.baked, sizeof a.baked);
+    assert_true(ffp_shadows_are_baked(&b, pose));
+    b.baked.light[1] += 0.03F;
+    assert_false(ffp_shadows_are_baked(&b, pose));
+    ffp_gaussians_free(&a);
+    ffp_gaussians_free(&b);
+    static const char *const bad[] = {"1 2 3",
+                                      "1 2 3 within 0",
+                                      "1 2 3 within -1",
+                                      "1 2 nan within 1",
+                                      "1 2 3 within 1 m",
+                                      "inf 2 3 within 1",
+                                      "1 2 3 within 1e39"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        char comment[96];
+        snprintf(comment, sizeof comment, "comment shadows baked from %s", bad[i]);
+        write_with_comment(comment);
+        assert_false(ffp_gaussians_read(&b, PATH, &err));
+        assert_non_null(strstr(err.text, "shadows baked"));
+    }
+    unlink(PATH);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip),      cmocka_unit_test(test_opacity_min_and_empty),
         cmocka_unit_test(test_viewer_colour),   cmocka_unit_test(test_transform),
         cmocka_unit_test(test_hostile),         cmocka_unit_test(test_refuses_to_write_nonsense),
-        cmocka_unit_test(test_hostile_numbers), cmocka_unit_test(test_foreign_layout)};
+        cmocka_unit_test(test_hostile_numbers), cmocka_unit_test(test_foreign_layout),
+        cmocka_unit_test(test_baked_shadows)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

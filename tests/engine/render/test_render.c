@@ -703,6 +703,13 @@ static void test_shadow(void **state) {
         }
     }
     assert_true(dark > 30 && lit > 500);
+    g.baked = (FfpBakedShadows){{lamp[0], lamp[1] + 0.2F, lamp[2]}, 0.1F}; // another lamp's
+    ffp_map_to_projector(raster, &g, &out, &camera, &projector, &settings, &mapping);
+    assert_true(mapping.visibility[32 * 64 + 32] < 0.15F);
+    g.baked.light[1] = lamp[1];
+    ffp_map_to_projector(raster, &g, &out, &camera, &projector, &settings, &mapping);
+    assert_true(mapping.visibility[32 * 64 + 32] == 1);
+    g.baked.within = 0;
     settings.shadows = false;
     ffp_map_to_projector(raster, &g, &out, &camera, &projector, &settings, &mapping);
     assert_true(mapping.visibility[32 * 64 + 32] == 1);

@@ -57,6 +57,38 @@ static void distorting_undoes_rectifying(void **state) {
     ffp_image_free(&shown), ffp_image_free(&pattern), ffp_image_free(&again);
 }
 
+// However the lens bends the panel's sides, the widened frame shows all of its light, and darkness around it.
+static void a_frame_holds_all_light(void **state) {
+    (void)state;
+    enum { BORDER = 3 };
+    for (int sign = -1; sign <= 1; sign++) {
+        FfpOptics optics = lamp;
+        for (int i = 0; i < 5; i++) optics.lens[i] *= 0.5 * sign;
+        FfpCamera ideal = {0};
+        FfpImage white = ffp_image_new(lamp.width, lamp.height, 3);
+        double before = 0, after = 0;
+        for (int i = 0; i < white.width * white.height * 3; i++) white.data[i] = 1;
+        ffp_optics_pinhole(&optics, 0, &ideal);
+        const double cx = (double)ideal.cx;
+        FfpImage cut = ffp_optics_rectify(&optics, &ideal, &white);
+        ffp_optics_frame_all(&optics, BORDER, &ideal);
+        FfpImage all = ffp_optics_rectify(&optics, &ideal, &white);
+        for (int i = 0; i < cut.width * cut.height; i++) before += (double)cut.data[3 * i];
+        for (int y = 0; y < all.height; y++)
+            for (int x = 0; x < all.width; x++) {
+                const double v = (double)all.data[3 * (y * all.width + x)];
+                const bool rim =
+                    x < BORDER || y < BORDER || x >= all.width - BORDER || y >= all.height - BORDER;
+                after += v;
+                if (rim) assert_true(v == 0);
+            }
+        if (sign == 0) assert_true(before == after && ideal.width == lamp.width + 2 * BORDER);
+        if (sign < 0) assert_true(after > before + 500); // a lens that had bent light out of the frame
+        assert_true(after >= before - 1e-3 && (double)ideal.cx >= cx + BORDER);
+        ffp_image_free(&white), ffp_image_free(&cut), ffp_image_free(&all);
+    }
+}
+
 // A dot of the pattern leaves the panel where the lens moves its ray to.
 static void light_leaves_the_panel_where_the_lens_says(void **state) {
     (void)state;
@@ -126,6 +158,7 @@ static void a_lens_that_folds_is_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(distorting_undoes_rectifying),
+        cmocka_unit_test(a_frame_holds_all_light),
         cmocka_unit_test(light_leaves_the_panel_where_the_lens_says),
         cmocka_unit_test(values_make_the_light),
         cmocka_unit_test(a_lens_that_folds_is_refused),
