@@ -195,7 +195,9 @@ double ffp_fit_blur(const FfpCapture *capture) {
     FfpCapture matched = *capture;
     int patterns[FFP_PATTERNS_MAX], n = 0;
     for (int p = 0; p < capture->n_patterns; p++)
-        if (p != capture->black && p != capture->white && !capture->patterns[p].novel) patterns[n++] = p;
+        if (p != capture->black && p != capture->white &&
+            (p >= ffp_patterns_shown(capture) || !capture->patterns[p].novel))
+            patterns[n++] = p;
     if (n == 0) return 0;
     if (is_coded(capture)) return blur_of(capture, patterns, n);
     double blur = 0;

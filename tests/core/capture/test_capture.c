@@ -228,7 +228,8 @@ static void written_capture_comes_back(void **state) {
     assert_true(ffp_capture_read(&capture, scratch, &err));
     assert_false(capture.panel.known);
     capture.panel = (FfpPanel){
-        true, 1920, 1080, 2210.5F, 2208, 958.2F, 1100, {0.1F, -0.2F, 0, 0.01F, 0}, true, {2.2F, 2.1F, 1}};
+        true, 1920, 1080, 2210.5F, 2208, 958.2F, 1100, {0.1F, -0.2F, 0, 0.01F, 0}, true, {2.2F, 2.1F, 1},
+        1.25F};
     add_truth(&capture.views[1], 5);
     write_text("stale.txt", "x");
     if (!ffp_capture_write(&capture, in_scratch("copy/of it"), &err)) fail_msg("%s", err.text);

@@ -121,7 +121,7 @@ static void test_the_real_projector_goes_along(void **state) {
     assert_null(json_object_get(scene, "panel"));
     json_decref(scene);
     capture->panel =
-        (FfpPanel){true, 1920, 1080, 2000, 1990, 960, 1080, {0.1F, 0, 0, 0, 0.25F}, true, {2, 2.5F, 3}};
+        (FfpPanel){true, 1920, 1080, 2000, 1990, 960, 1080, {0.1F, 0, 0, 0, 0.25F}, true, {2, 2.5F, 3}, 0};
     write_page(&how);
     capture->panel = (FfpPanel){0};
     scene = json_loads(element("scene"), 0, NULL);
