@@ -136,10 +136,14 @@ static void keep_to_silhouettes(Work *w) {
 static bool polish(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats, FfpError *err) {
     FfpRefineSettings settings = ffp_polish_defaults(polish_steps(options, &w->capture));
     FfpRefineResult result;
+    int patterns[FFP_PATTERNS_MAX], n = 0;
+    for (; n < w->n_photographs; n++) patterns[n] = w->photographs[n];
+    for (int p = ffp_patterns_shown(&w->capture); p < w->capture.n_patterns && n < FFP_PATTERNS_MAX; p++)
+        patterns[n++] = p;
+    settings.codes = n - w->n_photographs;
     const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, w->pixel};
     settings.render = ffp_drawing_settings(options->drawing, options->model);
-    if (!ffp_refine_pyramid(&w->result, &origin, &w->capture, w->photographs, w->n_photographs, &settings,
-                            &result, err))
+    if (!ffp_refine_pyramid(&w->result, &origin, &w->capture, patterns, n, &settings, &result, err))
         return false;
     stats->polish_dropped = result.dropped;
     if (result.dropped) ffp_note("the polish made the match with the photographs worse: it is discarded");

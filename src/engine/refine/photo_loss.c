@@ -23,7 +23,8 @@ struct FfpPhotoLoss {
     const int *patterns;
     FfpSummed *light;    // [n_patterns]
     FfpImage *targets;   // [n_views,n_patterns] encoded; .data NULL where the view has no photograph
-    int *shown;          // [n_views] how many it has
+    int *shown;          // [n_views] how many it has, the codes not among them
+    int *coded;          // [n_views] how many of the codes
     FfpGbuffer *shadows; // [n_views] kept shadow maps
     int *looks;          // [n_views] at each view so far
     Hand hands[2];       // the second for a view at the same time, its buffers made by the first such look
@@ -43,6 +44,7 @@ FfpPhotoLoss *ffp_photo_loss_new(const FfpCapture *capture, const int *patterns,
                         .light = ffp_alloc((size_t)n_patterns, sizeof *v->light),
                         .targets = ffp_alloc((size_t)capture->n_views * n_patterns, sizeof *v->targets),
                         .shown = ffp_alloc((size_t)capture->n_views, sizeof *v->shown),
+                        .coded = ffp_alloc((size_t)capture->n_views, sizeof *v->coded),
                         .shadows = ffp_alloc((size_t)capture->n_views, sizeof *v->shadows),
                         .looks = ffp_alloc((size_t)capture->n_views, sizeof *v->looks)};
     for (int h = 0; h < 2; h++) {
@@ -57,7 +59,7 @@ FfpPhotoLoss *ffp_photo_loss_new(const FfpCapture *capture, const int *patterns,
         if (!photograph->data) continue;
         v->targets[i] = ffp_image_copy(photograph);
         ffp_image_to_srgb(&v->targets[i]);
-        v->shown[i / n_patterns]++;
+        (i % n_patterns < n_patterns - settings->codes ? v->shown : v->coded)[i / n_patterns]++;
     }
     return v;
 }
@@ -72,6 +74,7 @@ void ffp_photo_loss_free(FfpPhotoLoss *v) {
     ffp_free(v->light);
     ffp_free(v->targets);
     ffp_free(v->shown);
+    ffp_free(v->coded);
     for (int h = 0; h < 2; h++) {
         ffp_view_pass_free(v->hands[h].pass);
         ffp_image_free(&v->hands[h].picture);
@@ -164,21 +167,31 @@ double ffp_photo_loss_psnr(FfpPhotoLoss *v, const FfpGaussians *gaussians) {
     ffp_losses_defer();
     for (int i = 0; i < n; i++) add_psnr(v, gaussians, i, &of_view[i]);
     ffp_losses_collect();
-    for (int i = 0; i < n; i++) sum += of_view[i] / v->shown[i];
+    for (int i = 0; i < n; i++) sum += of_view[i] / (v->shown[i] + v->coded[i]);
     ffp_free(of_view);
     return sum / n;
+}
+
+// The pattern whose turn it is among the codes that the view has; -1: none.
+static int code_in_turn(const FfpPhotoLoss *v, const FfpFitView *l) {
+    if (v->coded[l->view] == 0) return -1;
+    int left = (int)((l->step - 1) / v->capture->n_views % v->coded[l->view]);
+    int p = v->n_patterns - v->settings->codes;
+    while (!v->targets[l->view * v->n_patterns + p].data || left-- > 0) p++;
+    return p;
 }
 
 static void look(FfpPhotoLoss *v, Hand *hand, const FfpGaussians *gaussians, const FfpFitView *l) {
     keep_shadow(v, hand, l->view);
     const FfpView *view = draw(v, hand, gaussians, l->view);
     ffp_view_pass_keep_shadow(hand->pass, NULL);
-    const int shown = v->shown[l->view], turn = (int)(l->step % shown);
+    const int shown = v->shown[l->view], turn = (int)(l->step % shown), code = code_in_turn(v, l);
     const bool one = v->settings->one_picture;
+    const real share = one ? 1 : 1 / (real)(shown + (code >= 0));
     for (int p = 0, nth = 0; p < v->n_patterns; p++) {
         const FfpImage *target = &v->targets[l->view * v->n_patterns + p];
-        if (!target->data) continue;
-        if (!one || nth == turn) compare(v, hand, p, target, one ? 1 : 1 / (real)shown, l->loss);
+        if (!target->data || (p >= v->n_patterns - v->settings->codes && p != code)) continue;
+        if (!one || nth == turn) compare(v, hand, p, target, share, l->loss);
         nth++;
     }
     regularise(v, hand, view, l->step, l->loss);

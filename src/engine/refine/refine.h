@@ -38,6 +38,7 @@ typedef struct FfpRefineSettings {
     int shadow_looks; // steps at a view that share a shadow map; up to 1: each draws its own
     bool pairs;       // steps come in twos, both by gradients of the same state: of two views at a time
     bool one_picture; // a step looks at one of the view's pictures, in turn, instead of all
+    int codes;        // of the patterns, the last: a look compares one of them, in turn, beside all others
     const FfpGrowth *growth; // NULL: their number stays
     int64_t steps;           // of one view each; 0: no limit
     double seconds;          // of wall clock; 0: no limit
