@@ -11,7 +11,7 @@ const char *ffp_refine_beyond_devices(const FfpRefineSettings *settings);
 // The losses of a view, before its step.
 typedef struct FfpFitLoss {
     double pictures, maps; // the pictures' terms, and those that look at G-buffers
-    double psnr;           // mean over the patterns
+    double psnr;           // mean over the patterns; Gray codes, which take turns, do not count
 } FfpFitLoss;
 
 // Draws views and compares; owns the buffers of one view and all pictures that are aimed at.

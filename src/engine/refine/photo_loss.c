@@ -104,7 +104,8 @@ static const FfpView *draw(const FfpPhotoLoss *v, Hand *hand, const FfpGaussians
 }
 
 // Shades the view drawn last under pattern p; adds the picture's terms, and takes their gradient back.
-static void compare(const FfpPhotoLoss *v, Hand *hand, int p, const FfpImage *target, real share,
+// `counts`: its share of the PSNR.
+static void compare(const FfpPhotoLoss *v, Hand *hand, int p, const FfpImage *target, real share, real counts,
                     FfpFitLoss *loss) {
     const FfpRefineSettings *s = v->settings;
     const real *intensity = v->capture->intensity;
@@ -116,7 +117,7 @@ static void compare(const FfpPhotoLoss *v, Hand *hand, int p, const FfpImage *ta
         ffp_loss_add(&loss->pictures, 1,
                      ffp_square_loss(&hand->picture, target, share * s->square, &hand->grad));
     ffp_loss_add(&loss->pictures, 1, ffp_ssim_loss(&hand->picture, target, share * s->ssim, &hand->grad));
-    ffp_loss_add(&loss->psnr, (double)share, ffp_psnr(&hand->picture, target));
+    if (counts > 0) ffp_loss_add(&loss->psnr, (double)counts, ffp_psnr(&hand->picture, target));
     ffp_view_pass_shade_backward(hand->pass, intensity, light, &hand->grad, NULL, NULL);
 }
 
@@ -191,7 +192,8 @@ static void look(FfpPhotoLoss *v, Hand *hand, const FfpGaussians *gaussians, con
     for (int p = 0, nth = 0; p < v->n_patterns; p++) {
         const FfpImage *target = &v->targets[l->view * v->n_patterns + p];
         if (!target->data || (p >= v->n_patterns - v->settings->codes && p != code)) continue;
-        if (!one || nth == turn) compare(v, hand, p, target, share, l->loss);
+        const real counts = one ? 1 : p == code ? 0 : 1 / (real)shown;
+        if (!one || nth == turn) compare(v, hand, p, target, share, counts, l->loss);
         nth++;
     }
     regularise(v, hand, view, l->step, l->loss);

@@ -56,14 +56,26 @@ static double score(const Pyramid *p, const FfpGaussians *gaussians, const FfpCa
     return ffp_photographs_psnr(gaussians, &some, p->patterns, p->n_patterns, &render);
 }
 
+static void swap(FfpGaussians *a, FfpGaussians *b) {
+    const FfpGaussians c = *a;
+    *a = *b;
+    *b = c;
+}
+
 // At full size: the last fit, and the judgement on all of them. `first` is what they began with.
 static bool fit_finest(const Pyramid *p, FfpGaussians *gaussians, const FfpGaussians *first,
                        const FfpCapture *pictures, const FfpRefineSettings *settings, FfpRefineResult *result,
                        FfpError *err) {
-    if (!ffp_refine_offered(gaussians, pictures, p->patterns, p->n_patterns, settings, result, err))
-        return false;
-    result->dropped = score(p, gaussians, pictures) < score(p, first, pictures);
-    return true;
+    FfpGaussians coarser = ffp_gaussians_copy(gaussians);
+    const bool ok =
+        ffp_refine_offered(gaussians, pictures, p->patterns, p->n_patterns, settings, result, err);
+    if (ok) {
+        const double before = score(p, &coarser, pictures), after = score(p, gaussians, pictures);
+        if (before > after) swap(gaussians, &coarser);
+        result->dropped = fmax(before, after) < score(p, first, pictures);
+    }
+    ffp_gaussians_free(&coarser);
+    return ok;
 }
 
 static bool fit_level(const Pyramid *p, FfpGaussians *gaussians, const FfpGaussians *first, int side,
@@ -90,12 +102,6 @@ static bool fit_levels(const Pyramid *p, FfpGaussians *gaussians, const FfpGauss
     }
     result->steps = steps;
     return true;
-}
-
-static void swap(FfpGaussians *a, FfpGaussians *b) {
-    const FfpGaussians c = *a;
-    *a = *b;
-    *b = c;
 }
 
 double ffp_pyramid_psnr(const FfpGaussians *gaussians, const FfpOrigin *origin, const FfpCapture *capture,

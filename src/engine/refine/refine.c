@@ -74,7 +74,8 @@ FfpRefineSettings ffp_polish_defaults(int64_t steps) {
     return s;
 }
 
-#define CLEAR_GAIN 1 // dB
+#define CLEAR_GAIN 1  // dB
+#define LOSSES_MOST 3 // rounds in a row below the first: a fit that only does harm ends
 
 typedef struct Fit { // one run of ffp_refine
     const FfpCapture *capture;
@@ -84,9 +85,10 @@ typedef struct Fit { // one run of ffp_refine
     FfpGaussians gaussians, grad[2]; // decoded, and gradients: the second's is that of a pair
     FfpGaussianAdam adam_state;
     FfpGaussians best;
-    double best_loss, best_psnr, first_psnr; // of rounds
-    int64_t best_round, rounds;              // complete ones so far; which was the best, from 1
-    FfpGaussians mean;                       // of the numbers after each of the last `averaged` steps
+    double best_psnr, first_psnr; // of rounds
+    int64_t best_round, rounds;   // complete ones so far; which was the best, from 1
+    int lost;                     // rounds in a row below the first
+    FfpGaussians mean;            // of the numbers after each of the last `averaged` steps
     int64_t averaged;
     int *order;         // [n_views] of the round
     FfpFitLoss *losses; // [n_views] of its steps
@@ -141,7 +143,7 @@ static int64_t steps_left(const Fit *fit) {
 }
 
 static bool over(const Fit *fit) {
-    return share_spent(fit) >= 1 || (fit->settings->may_stop && ffp_cancelled());
+    return share_spent(fit) >= 1 || fit->lost >= LOSSES_MOST || (fit->settings->may_stop && ffp_cancelled());
 }
 
 static void average(Fit *fit, double share) {
@@ -178,13 +180,6 @@ static void take_steps(Fit *fit, const int *views, int n, FfpFitLoss *losses) {
         fit->grad[0] = ffp_gaussians_new(fit->parameters.numbers.count);
     }
     ffp_parameters_decode(&fit->parameters, &fit->gaussians);
-}
-
-// Whether the fit has made the pictures worse. The rounds' own figures tell when it clearly has not; they are
-// of states on the way, so that else both ends are looked at.
-static bool has_lost(Fit *fit, const FfpGaussians *before) {
-    if (fit->settings->growth || fit->best_psnr > fit->first_psnr + CLEAR_GAIN) return false;
-    return ffp_photo_loss_psnr(fit->viewer, &fit->best) < ffp_photo_loss_psnr(fit->viewer, before);
 }
 
 // False when the metrics cannot be written.
@@ -243,8 +238,8 @@ static bool one_round(Fit *fit, FfpError *err) {
     if (!tell(fit, &sum)) return ffp_fail(err, FFP_ERROR_IO, NULL, "cannot write the metrics");
     fit->rounds++;
     if (fit->rounds == 1) fit->first_psnr = sum.psnr;
-    if (sum.total < fit->best_loss) {
-        fit->best_loss = sum.total;
+    fit->lost = sum.psnr < fit->first_psnr ? fit->lost + 1 : 0;
+    if (sum.psnr > fit->best_psnr) {
         fit->best_psnr = sum.psnr;
         fit->best_round = fit->rounds;
         copy(&fit->best, &fit->gaussians);
@@ -254,7 +249,7 @@ static bool one_round(Fit *fit, FfpError *err) {
 
 static Fit fit_new(const FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
                    int n_patterns, const FfpRefineSettings *settings) {
-    Fit fit = {.capture = capture, .settings = settings, .best_loss = INFINITY};
+    Fit fit = {.capture = capture, .settings = settings, .best_psnr = -INFINITY};
     fit.started = ffp_seconds();
     fit.viewer = ffp_photo_loss_new(capture, patterns, n_patterns, settings);
     fit.parameters = ffp_parameters_new(gaussians, !settings->growth, settings->growth);
@@ -285,14 +280,35 @@ static void fit_free(Fit *fit) {
     ffp_free(fit->losses);
 }
 
+static double psnr_of(const Fit *fit, const FfpGaussians *gaussians) {
+    return ffp_photo_loss_psnr(fit->viewer, gaussians);
+}
+
 // The mean of the last steps' numbers is nearer to what they wander about than any of them is (Polyak and
 // Juditsky 1992), with more weight on later ones, as the fit is still under way (Shamir and Zhang 2013),
 // unless it has gone astray by then.
-static void take_mean(Fit *fit) {
-    if (fit->averaged < 1 || fit->rounds < 1 || fit->best_round + 1 < fit->rounds) return;
-    const FfpParameters mean = {fit->mean, fit->parameters.origin, fit->parameters.frame,
-                                fit->parameters.unit, fit->parameters.flat};
-    ffp_parameters_decode(&mean, &fit->best);
+static bool mean_is_due(const Fit *fit) {
+    return fit->averaged > 0 && fit->rounds > 0 && fit->best_round + 1 >= fit->rounds;
+}
+
+// What the fit returns: the mean, the best round's state, or `before`, of which nothing is copied. Rounds'
+// own figures, which are of states on the way, tell when the mean has clearly gained; otherwise all are
+// judged.
+static bool choose(Fit *fit, const FfpGaussians *before) {
+    const bool clear = fit->settings->growth || fit->best_psnr > fit->first_psnr + CLEAR_GAIN;
+    FfpGaussians mean = {0};
+    if (mean_is_due(fit)) {
+        const FfpParameters numbers = {fit->mean, fit->parameters.origin, fit->parameters.frame,
+                                       fit->parameters.unit, fit->parameters.flat};
+        copy(&mean, &fit->best);
+        ffp_parameters_decode(&numbers, &mean);
+    }
+    const double of_best = clear ? 0 : psnr_of(fit, &fit->best),
+                 of_mean = mean.count && !clear ? psnr_of(fit, &mean) : 0;
+    const double most = of_mean > of_best ? of_mean : of_best;
+    if (mean.count && of_mean >= of_best) copy(&fit->best, &mean);
+    ffp_gaussians_free(&mean);
+    return clear || most >= psnr_of(fit, before);
 }
 
 // Under a limit of steps progress counts these, otherwise seconds.
@@ -322,8 +338,7 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
     while (ok && !over(&fit)) ok = one_round(&fit, err);
     if (!settings->quiet) ffp_task_end(&fit.progress);
     if (ok) {
-        take_mean(&fit);
-        result->dropped = has_lost(&fit, gaussians);
+        result->dropped = !choose(&fit, gaussians);
         if (!result->dropped) copy(gaussians, &fit.best);
         if (settings->measure) result->psnr_after = ffp_photo_loss_psnr(fit.viewer, gaussians);
         result->steps = fit.step;

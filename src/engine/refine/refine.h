@@ -70,11 +70,12 @@ typedef struct FfpRefineResult {
 // Fits to the given patterns of all views (indices into the capture's), as far as a view has photographs
 // under them; it must have at least one, and all of a view's have the same weight. Views come in rounds, each
 // in an order drawn from the seed, or with pairs all in one such order. The result is the state after the
-// round with the lowest loss; or the mean, if it is asked for and that round was the last complete one or the
-// one before it; or the initial state if that has the better PSNR on the same pictures. With a limit in
-// steps, the same seed and thread count give the same bits. Errors: no Gaussians, no limit, a loss that is
-// not finite. On a device, the arrays of the Gaussians, pictures, coverage and patterns are in that device's
-// memory, and growth and smoothing are errors.
+// round with the highest PSNR; or the mean, if it is asked for and that round was the last complete one or
+// the one before it; or the initial state: where it is not clear, that of the three with the highest PSNR on
+// the same pictures. Three rounds in a row below the first end the fit. With a limit in steps, the same seed
+// and thread count give the same bits. Errors: no Gaussians, no limit, a loss that is not finite. On a
+// device, the arrays of the Gaussians, pictures, coverage and patterns are in that device's memory, and
+// growth and smoothing are errors.
 bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
                 const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err);
 

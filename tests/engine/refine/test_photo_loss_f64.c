@@ -114,6 +114,22 @@ static void all_pictures_count_alike(void **state) {
         assert_true(sum > 0.1 && fabs(loss.pictures - sum / (v ? 3 : 4)) < 1e-12);
         ffp_gaussians_free(&grad);
     }
+    ffp_photo_loss_free(c.viewer);
+    c.settings.codes = 2; // black and white, and of the others one at a step: the second view lacks one
+    c.viewer = ffp_photo_loss_new(&c.capture, all_patterns, PATTERNS, &c.settings);
+    for (int v = 0; v < 2; v++)
+        for (int step = 1; step <= 6; step++) {
+            const int code = v || (step - 1) / 2 % 2 ? MORE_DOTS : DOTS;
+            FfpGaussians grad = ffp_gaussians_new(SPLATS);
+            FfpFitLoss loss = {0};
+            ffp_photo_loss_backward(c.viewer, &c.gaussians, &(FfpFitView){v, step, &grad, &loss}, 1);
+            const double sum = pictures[v][BLACK] + pictures[v][WHITE] + pictures[v][code];
+            assert_true(fabs(loss.pictures - sum / 3) < 1e-12);
+            ffp_gaussians_free(&grad);
+        }
+    c.settings.codes = 0;
+    ffp_photo_loss_free(c.viewer);
+    c.viewer = ffp_photo_loss_new(&c.capture, all_patterns, PATTERNS, &c.settings);
     c.settings.one_picture = true; // in turn: the view that lacks one skips it
     static const int turns[2][4] = {{WHITE, DOTS, MORE_DOTS, BLACK}, {WHITE, MORE_DOTS, BLACK, WHITE}};
     for (int v = 0; v < 2; v++)

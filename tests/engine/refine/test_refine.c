@@ -497,6 +497,7 @@ static void test_a_fit_that_loses_is_dropped(void **state) {
     for (int a = 0; a < FFP_ATTRIBUTES; a++) settings.rates.rate[a] *= 300;
     assert_true(ffp_refine(&g, &capture, all_patterns, PATTERNS, &settings, &result, &err));
     assert_true(result.dropped);
+    assert_int_equal(result.steps, 4 * VIEWS); // the first round, and three that lose
     assert_int_equal(result.gaussians, before.count);
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute x = ffp_attribute(&g, a), y = ffp_attribute(&before, a);
