@@ -180,8 +180,8 @@ typedef struct FfpReconstruction {
     FfpDrawing drawing; // used by the polish
     // Go on although the capture has a fault that makes the result wrong: a device behind or inside the
     // object, black and white exchanged, a view's photographs turned, mirrored or exchanged with another's, a
-    // turntable turned the other way. Otherwise such a capture fails with FFP_ERROR_ARGUMENT, which names
-    // view and fault.
+    // turntable turned the other way. Otherwise such a capture fails with FFP_ERROR_FAULT, which names view
+    // and fault.
     bool force;
 } FfpReconstruction;
 #define FFP_POLISH_STEPS 72

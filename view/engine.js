@@ -29,7 +29,7 @@ class Engine {
       const { done, fail } = this.waiting;
       this.waiting = null;
       // Paths as they were dropped.
-      if (data.error) fail(new Message(data.error.replaceAll(/(?<![\w.-])\/(dropped|made)\//g, '')));
+      if (data.error) fail(Object.assign(new Message(data.error.replaceAll(/(?<![\w.-])\/(dropped|made)\//g, '')), { fault: data.fault }));
       else done(data);
     };
     this.worker.onerror = (event) => {
@@ -157,7 +157,7 @@ async function reconstruct(force) {
   } catch (error) {
     showProblem(error);
     // The engine refuses captures with a fault; whoever knows better goes on.
-    $('force').hidden = force || !/--force/.test(error.message);
+    $('force').hidden = !error.fault;
   }
 }
 

@@ -19,10 +19,10 @@ async function start({ wasm, weights, threads }) {
   return {};
 }
 
-// Calls a function of the engine that returns text; "error: ..." becomes an error.
+// Calls a function of the engine that returns text; "error: ..." becomes an error, and "fault: ..." one that can be forced.
 function call(name, types, values) {
-  const text = Module.ccall(name, 'string', types, values);
-  if (text.startsWith('error: ')) throw new Error(text.slice(7));
+  const text = Module.ccall(name, 'string', types, values), kind = text.slice(0, 7);
+  if (kind === 'error: ' || kind === 'fault: ') throw Object.assign(new Error(text.slice(7)), { fault: kind === 'fault: ' });
   return text;
 }
 
@@ -82,6 +82,6 @@ self.onmessage = async ({ data }) => {
   try {
     postMessage({ kind: 'answer', ...await requests[data.kind](data) });
   } catch (error) {
-    postMessage({ kind: 'answer', error: [error.message || error, ...lines.splice(0)].join(' ') });
+    postMessage({ kind: 'answer', fault: !!error.fault, error: [error.message || error, ...lines.splice(0)].join(' ') });
   }
 };

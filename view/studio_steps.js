@@ -282,9 +282,14 @@ function drawLook(state) {
 async function tellChecks(state, object) {
   told.make = stamp(state, 'make');
   const log = await textOf('logs/make.txt'), own = log.includes(`objects/${object.name}/`), at = log.indexOf('\nchecks\n');
-  const lines = own && at >= 0 ? log.slice(at).split('\n').filter((line) => /^ {2}\S/.test(line)) : [];
+  const lines = [], remedies = new Map(); // of a line: what stands below it, behind an arrow
+  for (const line of own && at >= 0 ? log.slice(at).split('\n') : []) {
+    if (/^ {2}\S/.test(line)) lines.push(line);
+    else if (/^ *-> /.test(line)) remedies.set(lines.at(-1), line.replace(/^ *-> /, ''));
+  }
   const isGood = (line) => line.startsWith('  ok'), passed = lines.filter(isGood), doubts = lines.filter((line) => !isGood(line));
-  const item = (className) => (line) => element('li', {className, textContent: line.replace(/^ {2}(ok|\S+)\s+/, '').replace(/\s{2,}/, ': ')});
+  const item = (className) => (line) => element('li', {className, textContent: line.replace(/^ {2}(ok|\S+)\s+/, '').replace(/\s{2,}/, ': ')},
+    ...(remedies.has(line) ? [element('small', {className: 'remedy', textContent: remedies.get(line)})] : []));
   $('checks-card').hidden = lines.length === 0;
   $('doubts').replaceChildren(...doubts.map(item('doubt')));
   $('checks').replaceChildren(...passed.map(item('')));

@@ -40,8 +40,9 @@ static bool show_progress(void *user, const FfpProgress *progress) {
     return true;
 }
 
+// A fault of the capture is an error that engine_run's `force` goes past.
 static const char *failed(const FfpError *err) {
-    snprintf(answer, sizeof answer, "error: %s", err->text);
+    snprintf(answer, sizeof answer, "%s: %s", err->code == FFP_ERROR_FAULT ? "fault" : "error", err->text);
     return answer;
 }
 
@@ -93,7 +94,7 @@ EMSCRIPTEN_KEEPALIVE const char *engine_open(const char *path) {
 }
 
 // Reconstructs; `polish` as FfpReconstruction's, `force` to go on although the capture has a fault. Returns
-// JSON, or "error: ...".
+// JSON, "error: ..." or "fault: ...".
 EMSCRIPTEN_KEEPALIVE const char *engine_run(int polish, int force) {
     FfpError err = {0};
     FfpReconstruction options = ffp_reconstruction_defaults();

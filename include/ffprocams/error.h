@@ -15,6 +15,7 @@ typedef enum FfpErrorCode {
     FFP_ERROR_MEMORY,      // not enough memory
     FFP_ERROR_CANCELLED,   // by the progress callback
     FFP_ERROR_IO,          // the system failed to open, read, write or rename a file
+    FFP_ERROR_FAULT,       // a mistake found in a capture: `force` (FfpReconstruction and others) goes on
 } FfpErrorCode;
 
 typedef struct FfpError {

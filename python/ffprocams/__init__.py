@@ -24,6 +24,7 @@ from .errors import (
     CancelledError,
     Error,
     ErrorCode,
+    FaultError,
     FileFormatError,
     InputOutputError,
     MissingFileError,
@@ -49,7 +50,7 @@ __version__: str = _ffi.string(_lib.ffp_version()).decode()
 
 __all__ = [
     "AlignStats", "ArgumentError", "Array", "CalibratedAt", "Calibration", "CancelledError", "Capture",
-    "Compensation", "CompensationStats", "Error", "ErrorCode", "FileFormatError", "Floats", "Gaussians",
+    "Compensation", "CompensationStats", "Error", "ErrorCode", "FaultError", "FileFormatError", "Floats", "Gaussians",
     "InputOutputError", "MapStats", "MissingFileError", "Model", "ModelOption", "OutOfMemoryError", "PathLike", "Pinhole", "Progress",
     "ProgressOption", "Reconstructed", "ReconstructionStats", "Refined", "RefinementStats", "Renderer",
     "RigCalibrationStats", "Score", "SensorFaults", "Turntable", "UnsupportedError", "View", "align", "calibrate_rig",

@@ -19,6 +19,7 @@ class ErrorCode(IntEnum):
     MEMORY = lib.FFP_ERROR_MEMORY
     CANCELLED = lib.FFP_ERROR_CANCELLED
     IO = lib.FFP_ERROR_IO
+    FAULT = lib.FFP_ERROR_FAULT
 
 
 class Error(Exception):
@@ -78,6 +79,10 @@ class MissingFileError(InputOutputError, FileNotFoundError):
         self.errno, self.filename, self.strerror = errno.ENOENT, self.file, self.what
 
 
+class FaultError(Error, ValueError):
+    """A mistake found in a capture; ``force=True`` goes on."""
+
+
 _CLASSES: dict[ErrorCode, type[Error]] = {
     ErrorCode.ARGUMENT: ArgumentError,
     ErrorCode.FILE: FileFormatError,
@@ -85,6 +90,7 @@ _CLASSES: dict[ErrorCode, type[Error]] = {
     ErrorCode.MEMORY: OutOfMemoryError,
     ErrorCode.CANCELLED: CancelledError,
     ErrorCode.IO: InputOutputError,
+    ErrorCode.FAULT: FaultError,
 }
 
 

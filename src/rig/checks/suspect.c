@@ -27,16 +27,16 @@ static bool check_device(const FfpCapture *capture, const FfpView *view, const F
                          const char *name, FfpError *err) {
     const double radii = distance_to_centre(capture, device) / (double)capture->radius;
     if (!capture->scene && radii < 0.5)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id,
+        return ffp_fail(err, FFP_ERROR_FAULT, view->id,
                         "the %s is inside the object: check its position, the direction of R and T, and the "
                         "unit of lengths",
                         name);
     if (is_behind(capture, device))
         return ffp_fail(
-            err, FFP_ERROR_ARGUMENT, view->id,
+            err, FFP_ERROR_FAULT, view->id,
             "the object is behind the %s: check the turntable's axis, and the direction of R and T", name);
     if (!capture->scene && radii > FAR_RADII)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id,
+        return ffp_fail(err, FFP_ERROR_FAULT, view->id,
                         "the %s is %.0f times the object's radius away: check the unit of lengths", name,
                         radii);
     return true;
@@ -47,7 +47,7 @@ static bool check_axes(const FfpCapture *capture, FfpError *err) {
     for (int v = 0; v < capture->n_views; v++)
         if (!is_behind(capture, &capture->views[v].camera)) return true;
     return ffp_fail(
-        err, FFP_ERROR_ARGUMENT, capture->folder,
+        err, FFP_ERROR_FAULT, capture->folder,
         "the object is behind every camera: the poses have OpenGL's axes (y up, z backwards), or R "
         "and T have the other direction");
 }
@@ -163,7 +163,7 @@ static bool try_mishaps(const FfpCapture *capture, int view, double enough, FfpE
         }
     }
     if (!(least < enough) || !light_agrees(capture, view, best)) return true;
-    return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->views[view].id,
+    return ffp_fail(err, FFP_ERROR_FAULT, capture->views[view].id,
                     "its photographs contradict the other views, and fit when they are taken as %s",
                     mishaps[best]);
 }
@@ -196,7 +196,7 @@ static bool try_exchanges(const FfpCapture *capture, const FfpSilhouettes *found
         }
     if (!(least < enough)) return true;
     return ffp_fail(
-        err, FFP_ERROR_ARGUMENT, capture->views[a].id,
+        err, FFP_ERROR_FAULT, capture->views[a].id,
         "its photographs and those of view %s are exchanged: the silhouettes fit the other way round",
         capture->views[b].id);
 }
@@ -213,9 +213,9 @@ static bool are_all_mirrored(const FfpCapture *capture) {
 static bool try_reversal(const FfpCapture *capture, double enough, FfpError *err) {
     if (!(misfit_reversed(capture, enough) < enough)) return true;
     return are_all_mirrored(capture)
-               ? ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder, FFP_RIG_ALL_MIRRORED, "left to right")
+               ? ffp_fail(err, FFP_ERROR_FAULT, capture->folder, FFP_RIG_ALL_MIRRORED, "left to right")
                : ffp_fail(
-                     err, FFP_ERROR_ARGUMENT, capture->folder,
+                     err, FFP_ERROR_FAULT, capture->folder,
                      "the views fit in the opposite order: the turntable turned the other way, change the "
                      "sign of its "
                      "angles");
@@ -248,7 +248,7 @@ static bool try_sizes(const FfpCapture *capture, double enough, FfpError *err) {
         if (misfit_of_size(capture, twice ? 2 : 0.5F, enough) < enough &&
             light_prefers_size(capture, twice ? 2 : 0.5F))
             return ffp_fail(
-                err, FFP_ERROR_ARGUMENT, capture->folder,
+                err, FFP_ERROR_FAULT, capture->folder,
                 "the silhouettes fit with %s the camera's focal lengths and principal point: it was "
                 "calibrated with photographs of another size",
                 twice ? "twice" : "half");

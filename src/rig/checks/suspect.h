@@ -8,7 +8,7 @@
 // (photographs exchanged or taken twice, a dark projector, an inverted mask), at silhouettes that contradict
 // the others', and at how well structured light explains the photographs. What people do is tried: a view's
 // photographs turned, mirrored or exchanged, a turntable that turned the other way, a picture mirrored by the
-// projector, a calibration at another size, another pattern. Fails with FFP_ERROR_ARGUMENT, naming view and
+// projector, a calibration at another size, another pattern. Fails with FFP_ERROR_FAULT, naming view and
 // remedy, where one of these explains what is wrong; what is doubtful but unexplained, and what only makes
 // the result worse, is noted in the log.
 bool ffp_rig_suspect(const FfpCapture *capture, FfpError *err);

@@ -47,7 +47,7 @@ static bool check_order(const FfpCapture *capture, int a, int b, FfpError *err) 
     }
     if (count == 0) return true;
     const bool all = count == capture->n_views && count > 1;
-    return ffp_fail(err, FFP_ERROR_ARGUMENT, all ? capture->folder : capture->views[first].id,
+    return ffp_fail(err, FFP_ERROR_FAULT, all ? capture->folder : capture->views[first].id,
                     "the photographs under %s and %s are exchanged: the object is darker under %s", darker,
                     brighter, brighter);
 }
@@ -90,7 +90,7 @@ static bool check_repeated(const FfpCapture *capture, int active, FfpError *err)
         for (int k = 0; k < (active >= 0 ? 3 : 1); k++) { // the first two are black and white
             const int a = shown[k], b = shown[(k + 1) % 3];
             if (same_picture(&view->images[a], &view->images[b]))
-                return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id,
+                return ffp_fail(err, FFP_ERROR_FAULT, view->id,
                                 "the photographs under %s and %s are one and the same: take it again",
                                 capture->patterns[a].name, capture->patterns[b].name);
         }
@@ -132,10 +132,10 @@ static Brightness measure(const FfpCapture *capture, const FfpView *view) {
 static bool check_lit(const FfpCapture *capture, const Brightness *b, FfpError *err) {
     for (int v = 0; v < capture->n_views; v++) {
         if (b[v].object == 0)
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->views[v].id,
+            return ffp_fail(err, FFP_ERROR_FAULT, capture->views[v].id,
                             "its mask is empty: no pixel belongs to the object");
         if (!capture->scene && b[v].lit < LIT_LEAST * b[v].object)
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->views[v].id,
+            return ffp_fail(err, FFP_ERROR_FAULT, capture->views[v].id,
                             "white adds no light to black: the projector was dark, or its light does not "
                             "reach the object");
     }
@@ -158,7 +158,7 @@ static double border_share(const FfpView *view) {
 static bool check_masks(const FfpCapture *capture, FfpError *err) {
     for (int v = 0; v < capture->n_views && !capture->scene; v++)
         if (border_share(&capture->views[v]) > BORDER_MOST)
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->views[v].id,
+            return ffp_fail(err, FFP_ERROR_FAULT, capture->views[v].id,
                             "its mask reaches the edge of the picture on all sides: it is inverted, or "
                             "missing");
     return true;

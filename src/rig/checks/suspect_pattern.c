@@ -125,34 +125,34 @@ static bool try_all_views(const FfpCapture *capture, int active, const FfpSummed
     for (int down = 0; down < 2; down++)
         if (ffp_rig_error_mirrored_back(capture, active, down ? FFP_RIG_FLIPPED : FFP_RIG_MIRRORED) <
             CLEARLY * least)
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder, FFP_RIG_ALL_MIRRORED, ways[1 + down]);
+            return ffp_fail(err, FFP_ERROR_FAULT, capture->folder, FFP_RIG_ALL_MIRRORED, ways[1 + down]);
     if (mirrored > 0)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
+        return ffp_fail(err, FFP_ERROR_FAULT, capture->folder,
                         "the photographs under %s fit when it is mirrored %s: the projector mirrors its "
                         "picture, or the pattern's file or all photographs are mirrored",
                         name, ways[mirrored]);
     if (error_of(capture, active, (FfpGuess){.pattern = pattern, .reversed = true}) < enough)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
+        return ffp_fail(err, FFP_ERROR_FAULT, capture->folder,
                         "the photographs under %s fit with red and blue exchanged: the photographs or the "
                         "pattern's file have the channels in another order",
                         name);
     for (int twice = 0; twice < 2; twice++)
         if (error_of_size(capture, active, pattern, twice ? 2 : 0.5F) < enough)
             return ffp_fail(
-                err, FFP_ERROR_ARGUMENT, capture->folder,
+                err, FFP_ERROR_FAULT, capture->folder,
                 "the photographs under %s fit with %s the projector's focal lengths and principal "
                 "point: it was calibrated at %d x %d pixels, not at the pattern's %d x %d",
                 name, twice ? "twice" : "half", twice ? p->width / 2 : 2 * p->width,
                 twice ? p->height / 2 : 2 * p->height, p->width, p->height);
     if (error_of_inverted(capture, active, pattern) < enough)
         return ffp_fail(
-            err, FFP_ERROR_ARGUMENT, capture->folder,
+            err, FFP_ERROR_FAULT, capture->folder,
             "the photographs under %s fit with the projector's poses inverted: its R and T have the "
             "other direction",
             name);
     const int other = likeliest_pattern(capture, active, enough);
     if (other < 0) return true;
-    return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder, "the photographs under %s show %s", name,
+    return ffp_fail(err, FFP_ERROR_FAULT, capture->folder, "the photographs under %s show %s", name,
                     capture->patterns[other].name);
 }
 
@@ -193,7 +193,7 @@ static bool try_one_view(const FfpCapture *capture, int active, const FfpSummed 
         best = v;
     }
     if (least < enough && fits_there(capture, active, pattern, odd, best, enough))
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id,
+        return ffp_fail(err, FFP_ERROR_FAULT, view->id,
                         "its photograph under %s does not fit the others of this view; that of view %s does: "
                         "they are exchanged",
                         name, capture->views[best].id);
@@ -204,11 +204,11 @@ static bool try_one_view(const FfpCapture *capture, int active, const FfpSummed 
             capture, view, &(FfpGuess){.photograph = &view->images[active], .pattern = &summed});
         ffp_summed_free(&summed);
         if (error < enough)
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id, "its photograph under %s shows %s", name,
+            return ffp_fail(err, FFP_ERROR_FAULT, view->id, "its photograph under %s shows %s", name,
                             capture->patterns[p].name);
     }
     return !found->sure ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, view->id,
+           ffp_fail(err, FFP_ERROR_FAULT, view->id,
                     "its photograph under %s does not show that pattern where this view's projector is: "
                     "something was in front of it, or its pose or one of its photographs is another's",
                     name);

@@ -120,6 +120,8 @@ def go_through(page, pictures):
     done("object")
     page.click("#make")
     page.wait("!document.getElementById('look').hidden && !!document.getElementById('viewer').contentWindow.ready", LONG)
+    doubts = page.run("[...document.querySelectorAll('#doubts li')].map((line) => [line.textContent, line.querySelector('.remedy')?.textContent ?? ''])")
+    assert doubts and all(remedy for _, remedy in doubts), doubts  # each with what to do
     done("relit")
     page.click("#evaluate")
     page.wait("!document.getElementById('scores').hidden", LONG)

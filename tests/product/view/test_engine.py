@@ -173,6 +173,24 @@ def check_refusals(page, folder):
     page.refuses(broken, "scene.json")
 
 
+def check_fault(page, capture, folder):
+    """Black and white exchanged in one view: it is said, with what to do, and whoever knows better goes on."""
+    wrong = os.path.join(folder, "exchanged")
+    shutil.copytree(capture, wrong)
+    black, white = (os.path.join(wrong, f"path_0_theta135_all_{name}.png") for name in ("black", "white"))
+    shutil.copy(os.path.join(capture, os.path.basename(white)), black)
+    shutil.copy(os.path.join(capture, os.path.basename(black)), white)
+    page.run("document.getElementById('again').click()")
+    page.run("document.getElementById('polish').checked = false")
+    page.refuses(wrong, "are exchanged")
+    page.screenshot(os.path.join(folder, "fault.png"))
+    page.run("document.getElementById('force').scrollIntoView()")
+    assert not page.run("document.getElementById('force').hidden")
+    page.run("document.getElementById('force').click()")
+    page.wait("!document.getElementById('result').hidden", 900)
+    page.screenshot(os.path.join(folder, "forced.png"))
+
+
 def measured(page, capture):
     before = seconds_of(page.process.pid)
     stats = page.reconstruct(capture, 1800)
@@ -195,6 +213,7 @@ def from_disk(page, program, capture, with_truth, folder):
     assert "explains the pictures" in page.run("document.getElementById('checks-text').textContent")
     page.run("document.getElementById('checks-dialog').close()")
     check_files(page, folder)
+    check_fault(page, capture, folder)
     page.run("document.getElementById('again').click()")
     page.run("document.getElementById('polish').checked = false")
     again = page.reconstruct(zipped(with_truth, os.path.join(folder, "with_truth.zip")), 900)

@@ -25,7 +25,7 @@ static void must_name(const char *view, const char *fault) {
     const bool sound = ffp_rig_suspect(&capture, &err);
     if (sound || !strstr(err.text, fault) || !strstr(err.text, view)) printf("%d: %s\n", sound, err.text);
     assert_false(sound);
-    assert_int_equal(err.code, FFP_ERROR_ARGUMENT);
+    assert_int_equal(err.code, FFP_ERROR_FAULT);
     assert_non_null(strstr(err.text, fault));
     assert_non_null(strstr(err.text, view));
 }
