@@ -10,7 +10,7 @@
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 #include "core/patterns/lollipop.h"
-#include "rig/checks/suspect.h"
+#include "rig/checks/checks.h"
 #include "world/synth/dataset.h"
 
 enum { VIEW = 3, OTHER = 5 };

@@ -50,7 +50,7 @@ file(CREATE_LINK ${PROJECT_SOURCE_DIR}/models ${PROJECT_BINARY_DIR}/models SYMBO
 
 file(GLOB cli_sources CONFIGURE_DEPENDS src/product/cli/*.c)
 add_executable(ffprocams ${cli_sources})
-target_link_libraries(ffprocams PRIVATE ffp_compile ffprocams_shared m)
+target_link_libraries(ffprocams PRIVATE ffp_compile ffprocams_shared PkgConfig::JANSSON m)
 target_include_directories(ffprocams PRIVATE src)
 
 ffp_option(STUDIO "libmicrohttpd, for `ffprocams studio`")
@@ -61,7 +61,7 @@ if(TARGET PkgConfig::MICROHTTPD)
   file(GLOB studio_sources CONFIGURE_DEPENDS src/product/studio/*.c)
   target_sources(ffprocams PRIVATE ${studio_sources} ${studio_pages})
   target_compile_definitions(ffprocams PRIVATE FFP_WITH_STUDIO)
-  target_link_libraries(ffprocams PRIVATE PkgConfig::MICROHTTPD PkgConfig::JANSSON)
+  target_link_libraries(ffprocams PRIVATE PkgConfig::MICROHTTPD)
 else()
   ffp_without(STUDIO "`studio`" libmicrohttpd-dev)
 endif()

@@ -44,6 +44,8 @@ ffp_room(pipeline CALLS DEPS align apply refine render network match denoise gau
 ffp_room(cuda IN cuda.cmake DEPS refine loss network render tensor image base)
 
 ffp_wing(rig) # from a bare projector and a camera to a capture
+# what can be wrong, in words: the rules, and how a finding is told
+ffp_room(findings DEPS base)
 # photographs of Gray codes into positions on the projector's panel
 ffp_room(graycode DEPS patterns image numerics base)
 # calibrations and turntables as other tools write them
@@ -54,11 +56,11 @@ ffp_room(axis DEPS calibration match capture image numerics base)
 # the object told from what it stands on
 ffp_room(masks DEPS match graycode capture image numerics base)
 # what is wrong with a capture
-ffp_room(checks DEPS masks match capture image numerics base READERS explain)
+ffp_room(checks DEPS masks findings match capture image numerics base READERS explain)
 # photographs into captures
-ffp_room(import DEPS checks masks axis calibration match graycode patterns capture image numerics base READERS file_names)
+ffp_room(import DEPS checks findings masks axis calibration match graycode patterns capture image numerics base READERS file_names)
 # chessboards and Gray codes into calibrations; a turntable's axis
-ffp_room(calibrate CALLS DEPS import axis calibration graycode patterns capture image numerics base)
+ffp_room(calibrate CALLS DEPS import findings axis calibration graycode patterns capture image numerics base)
 
 ffp_wing(world) # objects and rigs that do not exist
 # shapes, generated or read, as meshes; solid noise
@@ -83,9 +85,9 @@ ffp_room(view CALLS DEPS pipeline render gaussians capture base)
 # splats and meshes for other programs
 ffp_room(export CALLS DEPS pipeline apply render gaussians capture image numerics base LIBS PkgConfig::JANSSON PkgConfig::ZLIB)
 # what a file holds, as text for people
-ffp_room(describe CALLS DEPS checks masks baselines network gaussians capture base)
+ffp_room(describe CALLS DEPS checks findings masks baselines network gaussians capture base)
 # the calls of the public header, one file per call: arguments checked, the call entered, structs translated, one function called
-ffp_room(api CALLS DEPS describe eval pipeline bench view export calibrate import checks baselines train synth patterns loss render
+ffp_room(api CALLS DEPS describe eval pipeline bench view export calibrate import checks findings baselines train synth patterns loss render
          network gaussians capture image base cuda LIBS PkgConfig::JANSSON PkgConfig::ZLIB)
 # the ranks of an MPI job: part of the program where it is built with MPI
 ffp_room(cluster IN library.cmake)

@@ -19,6 +19,7 @@
 #include "ffprocams/api.h"
 #include "ffprocams/context.h"
 #include "ffprocams/error.h"
+#include "ffprocams/findings.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -37,9 +38,15 @@ typedef struct FfpCapture FfpCapture;
 
 // Reads a folder with scene.json or render_poses.json, or such a file, and checks all of its contents.
 FFP_API FfpCapture *ffp_capture_open(FfpContext *context, const char *path, FfpError *err);
-// The same for a reconstruction alone, without the photographs that ffp_reconstruct does not use with these
-// patterns, as its settings have them (`n_patterns` 0: the first), and without ground truth. All are read if
-// the file lacks the object's sphere, the photographs have neither alpha nor masks, or it is a whole scene.
+// Looks for what is wrong with a capture, and returns what it found (release with ffp_free), *count findings,
+// those that are ok among them, as `info` lists them, and those for which a reconstruction would be refused.
+// NULL on failure.
+FFP_API FfpFinding *ffp_capture_check(FfpContext *context, const FfpCapture *capture, int *count,
+                                      FfpError *err);
+// As ffp_capture_open, for a reconstruction alone, without the photographs that ffp_reconstruct does not use
+// with these patterns, as its settings have them (`n_patterns` 0: the first), and without ground truth. All
+// are read if the file lacks the object's sphere, the photographs have neither alpha nor masks, or it is a
+// whole scene.
 FFP_API FfpCapture *ffp_capture_open_wanted(FfpContext *context, const char *path,
                                             const char *const *patterns, int n_patterns, FfpError *err);
 // The same with the photographs left in their files: a capture of many megapixels then takes hardly any
@@ -1025,6 +1032,9 @@ FFP_API char *ffp_info(FfpContext *context, const char *path, FfpError *err);
 // Writes the same of a capture as an HTML page, with a contact sheet of its masks in which doubtful views are
 // marked. Errors: `path` is not a capture.
 FFP_API bool ffp_info_report(FfpContext *context, const char *path, const char *html, FfpError *err);
+// The same as JSON (release with ffp_free): {"text": what ffp_info returns, "findings": [as
+// ffp_finding_json]}, the latter for a capture.
+FFP_API char *ffp_info_json(FfpContext *context, const char *path, FfpError *err);
 
 #ifdef __cplusplus
 }

@@ -9,7 +9,13 @@ from pathlib import Path
 
 from cffi import FFI
 
-HEADERS = ("ffprocams/error.h", "ffprocams/context.h", "ffprocams.h", "ffprocams/baselines.h")
+HEADERS = (
+    "ffprocams/error.h",
+    "ffprocams/findings.h",
+    "ffprocams/context.h",
+    "ffprocams.h",
+    "ffprocams/baselines.h",
+)
 
 # The functions of FfpContextSettings, in Python (ffprocams/_call.py).
 CALLBACKS = """

@@ -65,6 +65,7 @@ const TRUTH = ['depth', 'normal', 'albedo', 'roughness', 'direct_white']; // of 
 
 function note(text) {
   const line = document.createElement('li');
+  line.className = 'note';
   line.textContent = text;
   $('notes').append(line);
 }
@@ -72,6 +73,11 @@ function note(text) {
 // A bar of unknown length would be drawn sixty times a second, in software where there is no GPU: it is an empty one.
 engine.tell = (data) => {
   if (data.kind === 'log') { note(data.text); return; }
+  if (data.kind === 'finding') {
+    const finding = JSON.parse(data.finding);
+    if (!isPassed(finding) && !document.querySelector(`#notes [data-code="${finding.code}"]`)) $('notes').append(findingItem(finding));
+    return;
+  }
   $('stage').textContent = data.stage ? data.stage[0].toUpperCase() + data.stage.slice(1) : 'Working';
   $('bar').value = data.total > 0 ? data.done / data.total : 0;
   $('detail').textContent = (data.total > 0 ? `${data.done} of ${data.total}` : '') + (data.left > 1 ? `, about ${Math.ceil(data.left)} s left` : '');
@@ -100,12 +106,11 @@ function captureRoot(files) {
   return scenes.length ? scenes[0].replace(/\/?[a-z_]+\.json$/, '') : null;
 }
 
-// What `ffprocams info` says of the capture: all of it behind a button, the checks first, and what it advises to change among the messages.
+// What `ffprocams info` says of the capture, behind a button; what it advises to change is among the messages.
 function showChecks(text) {
-  const [about, checks = ''] = text.split(/^checks\n/m), advice = [...checks.matchAll(/^ *LOOK (.+?)(?: {2,}| (?=[^a-z])|$)(.*)\n(?: *-> (.*))?/gm)];
-  $('checks-text').textContent = `${checks}\n${about}`;
-  $('checks').textContent = advice.length ? `Checks (${advice.length})\u2026` : 'Checks\u2026';
-  for (const [, what, found, change] of advice) note(`${what[0].toUpperCase()}${what.slice(1)}: ${found}${change ? `; ${change}` : ''}`);
+  const doubts = document.querySelectorAll('#notes [data-code]').length;
+  $('checks-text').textContent = text;
+  $('checks').textContent = doubts ? `Checks (${doubts})\u2026` : 'Checks\u2026';
 }
 
 function showResult({ stats, page }) {
@@ -150,7 +155,7 @@ async function reconstruct(force) {
     if (state.put !== engine.worker) await engine.ask({ kind: 'put', files });
     state.put = engine.worker;
     const { text } = await engine.ask({ kind: 'open', folder });
-    if (!force) showChecks(text);
+    showChecks(text);
     const answer = await engine.ask({ kind: 'run', polish: $('polish').checked ? -1 : 0, force });
     $('work').hidden = true;
     showResult(answer);

@@ -209,20 +209,21 @@ async function calibrationFigures() {
   return figures;
 }
 
+// What the commands of a step found when they ran last; none, if they were another object's.
+async function findingsOf(name, object) {
+  const log = JSON.parse(await textOf(`logs/${name}.json`) || '{"commands": [], "findings": []}');
+  return !object || log.commands.some((command) => command.includes(`objects/${object.name}/`)) ? log.findings : [];
+}
+
 async function tellCalibration(state) {
   told.calibrate = stamp(state, 'calibrate');
-  const log = await textOf('logs/calibrate.txt'), figures = await calibrationFigures(), says = [];
-  for (const line of log.split('\n')) {
-    const warning = line.match(/^ffprocams: (?:warning: )(.*)/);
-    if (warning) says.push(element('li', {className: 'doubt', textContent: warning[1]}));
-  }
-  if (says.length === 0 && figures.length > 0) says.push(element('li', {textContent: 'The photographs determine all terms.'}));
-  const fix = log.match(/calibrate again with ((?:--fix [a-z0-9.]+ ?)+)/);
-  const held = log.includes('tried, and it holds');
-  $('fix').hidden = !fix || !held;
-  $('fix').dataset.terms = fix ? fix[1].replaceAll('--fix', ' ').trim().split(/\s+/).join(' ') : '';
+  const doubts = (await findingsOf('calibrate')).filter((finding) => !isPassed(finding)), figures = await calibrationFigures();
+  const holds = doubts.filter(({code}) => code === 'lens-terms-to-fix');
+  $('fix').hidden = holds.length === 0;
+  $('fix').dataset.terms = holds.map(({setting}) => setting.slice(setting.indexOf('=') + 1)).join(' ');
   $('calibration-figures').replaceChildren(...figures.flatMap(([name, value]) => [element('dt', {textContent: name}), element('dd', {textContent: value})]));
-  $('calibration-says').replaceChildren(...says);
+  $('calibration-says').replaceChildren(...doubts.map(findingItem),
+    ...(doubts.length === 0 && figures.length > 0 ? [element('li', {textContent: 'The photographs determine all terms.'})] : []));
 }
 
 $('board-shoot').addEventListener('click', () => shootMissing(studio.state.sets));
@@ -281,19 +282,11 @@ function drawLook(state) {
 
 async function tellChecks(state, object) {
   told.make = stamp(state, 'make');
-  const log = await textOf('logs/make.txt'), own = log.includes(`objects/${object.name}/`), at = log.indexOf('\nchecks\n');
-  const lines = [], remedies = new Map(); // of a line: what stands below it, behind an arrow
-  for (const line of own && at >= 0 ? log.slice(at).split('\n') : []) {
-    if (/^ {2}\S/.test(line)) lines.push(line);
-    else if (/^ *-> /.test(line)) remedies.set(lines.at(-1), line.replace(/^ *-> /, ''));
-  }
-  const isGood = (line) => line.startsWith('  ok'), passed = lines.filter(isGood), doubts = lines.filter((line) => !isGood(line));
-  const item = (className) => (line) => element('li', {className, textContent: line.replace(/^ {2}(ok|\S+)\s+/, '').replace(/\s{2,}/, ': ')},
-    ...(remedies.has(line) ? [element('small', {className: 'remedy', textContent: remedies.get(line)})] : []));
-  $('checks-card').hidden = lines.length === 0;
-  $('doubts').replaceChildren(...doubts.map(item('doubt')));
-  $('checks').replaceChildren(...passed.map(item('')));
-  $('passed').textContent = `${passed.length} of ${lines.length} checks are passed`;
+  const findings = await findingsOf('make', object), passed = findings.filter(isPassed), doubts = findings.filter((finding) => !isPassed(finding));
+  $('checks-card').hidden = findings.length === 0;
+  $('doubts').replaceChildren(...doubts.map(findingItem));
+  $('checks').replaceChildren(...passed.map(findingItem));
+  $('passed').textContent = `${passed.length} of ${findings.length} checks are passed`;
   $('masks-card').hidden = false;
   $('masks').onerror = () => { $('masks-card').hidden = true; };
   $('masks').src = `file/objects/${object.name}/capture/masks.png`;
@@ -331,8 +324,7 @@ function drawWork(state) {
   before = job.name + job.end;
   if (ended) {
     if (job.end === 'failed') {
-      const errors = job.log.split('\n').filter((line) => line.includes('error: '));
-      say(errors.length > 0 ? errors[errors.length - 1].replace(/^.*error: /, '') : `${job.name} has failed; the log below says why.`);
+      say(job.error || `${job.name} has failed; the log below says why.`);
       $('shell').open = true;
     } else if (job.end === 'done' && job.name === 'make') showStep('look');
     else if (job.end === 'done' && job.name === 'patterns') showStep('board');

@@ -34,6 +34,13 @@ static void log_line(void *user, FfpLogLevel level, const char *text) {
                        text);
 }
 
+static void tell_finding(void *user, const FfpFinding *finding) {
+    (void)user;
+    char *text = ffp_finding_json(finding);
+    if (text) MAIN_THREAD_EM_ASM({ postMessage({kind : "finding", finding : UTF8ToString($0)}); }, text);
+    ffp_free(text);
+}
+
 static bool show_progress(void *user, const FfpProgress *progress) {
     (void)user;
     tell_progress(progress->stage, (double)progress->done, (double)progress->total, progress->seconds_left);
@@ -50,6 +57,7 @@ static bool start(FfpError *err) {
     FfpContextSettings settings = ffp_context_defaults();
     settings.log = log_line;
     settings.progress = show_progress;
+    settings.finding = tell_finding;
     settings.interval = 0.5; // seconds: each is drawn, by a processor where no GPU draws
     if (!context) context = ffp_context_new(&settings, err);
     if (context && !model) model = ffp_model_open(context, "/models/small.safetensors", err);

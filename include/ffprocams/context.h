@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include "ffprocams/api.h"
 #include "ffprocams/error.h"
+#include "ffprocams/findings.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -19,7 +20,7 @@ typedef enum FfpLogLevel {
 // Progress of a call.
 typedef struct FfpProgress {
     const char *stage;   // such as "rendering"; NULL: nothing to count
-    int64_t done, total; // pictures, steps, scenes or seconds of the stage
+    int64_t done, total; // pictures, steps, scenes or seconds of the stage; 0 of 0: not counted
     double seconds;      // since the stage began
     double seconds_left; // estimate; negative: not known yet
     const char *extra;   // a few words about the last step, or NULL
@@ -57,10 +58,13 @@ typedef struct FfpRanks {
 } FfpRanks;
 
 typedef struct FfpContextSettings {
-    void *user; // passed to both callbacks
+    void *user; // passed to all callbacks
     // Receives a line of text without a newline; NULL: no messages. May be called from threads of the
     // library.
     void (*log)(void *user, FfpLogLevel level, const char *text);
+    // Receives what is found wrong (findings.h) as values, which are valid until it returns; NULL: their text
+    // goes to `log`. A fault that ends the call comes here before.
+    void (*finding)(void *user, const FfpFinding *finding);
     // Called repeatedly by the thread that made the call. Returning false cancels the call, which then fails
     // with FFP_ERROR_CANCELLED unless documented otherwise. NULL: no progress. The pointers passed to it are
     // valid until it returns. It must not call the library.

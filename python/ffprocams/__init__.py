@@ -32,6 +32,7 @@ from .errors import (
     UnsupportedError,
 )
 from .evaluation import CalibratedAt, Score, SensorFaults, Turntable, evaluate, generate, import_capture, info
+from .findings import Finding
 from .gaussians import Gaussians, Model
 from .reconstruction import (
     ModelOption,
@@ -50,7 +51,7 @@ __version__: str = _ffi.string(_lib.ffp_version()).decode()
 
 __all__ = [
     "AlignStats", "ArgumentError", "Array", "CalibratedAt", "Calibration", "CancelledError", "Capture",
-    "Compensation", "CompensationStats", "Error", "ErrorCode", "FaultError", "FileFormatError", "Floats", "Gaussians",
+    "Compensation", "CompensationStats", "Error", "ErrorCode", "FaultError", "FileFormatError", "Finding", "Floats", "Gaussians",
     "InputOutputError", "MapStats", "MissingFileError", "Model", "ModelOption", "OutOfMemoryError", "PathLike", "Pinhole", "Progress",
     "ProgressOption", "Reconstructed", "ReconstructionStats", "Refined", "RefinementStats", "Renderer",
     "RigCalibrationStats", "Score", "SensorFaults", "Turntable", "UnsupportedError", "View", "align", "calibrate_rig",

@@ -15,6 +15,7 @@ from ._library import ffi, lib
 from ._pixels import Array, Floats, array_of, picture_of
 from .devices import Doubles, Pinhole
 from .errors import argument_error
+from .findings import Finding, finding_of
 
 if TYPE_CHECKING:
     from .gaussians import Gaussians
@@ -189,6 +190,17 @@ class Capture(Handle):
     def held_out(self) -> tuple[str, ...]:
         """Names of the patterns for testing only."""
         return tuple(self._with_role(lib.FFP_PATTERN_HELD_OUT))
+
+    def check(self, *, progress: ProgressOption = None, threads: int = 0) -> list[Finding]:
+        """Looks for what is wrong with the photographs, the poses and the masks.
+
+        Checks that were passed are among the findings, with severity "ok". A reconstruction of a capture with a
+        finding of severity "fault" raises FaultError, unless it is forced.
+        """
+        count = ffi.new("int *")
+        with holding(self), Call(progress, threads) as call:
+            found = call.take(lib.ffp_capture_check(call.context, self._pointer, count, call.error), lib.ffp_free)
+        return [finding_of(found[i]) for i in range(count[0])]
 
     def camera(self, view: str | int = 0) -> Pinhole:
         """A view's camera."""

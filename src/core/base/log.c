@@ -32,6 +32,18 @@ void ffp_warning(const char *format, ...) {
     va_end(arguments);
 }
 
+bool ffp_tell_finding(const FfpFinding *finding) {
+    FfpCall *call = ffp_call();
+    const FfpContext *context = ffp_call_context();
+    if (!context || !context->settings.finding) return false;
+    const locale_t ours = uselocale(call->locale);
+    pthread_mutex_lock(&call->lock);
+    context->settings.finding(context->settings.user, finding);
+    pthread_mutex_unlock(&call->lock);
+    uselocale(ours);
+    return true;
+}
+
 double ffp_seconds(void) {
     struct timespec now = {0};
     clock_gettime(CLOCK_MONOTONIC, &now);

@@ -9,6 +9,9 @@
 void ffp_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void ffp_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+// Passes a finding on; false: the caller of the current call wants none as values.
+bool ffp_tell_finding(const FfpFinding *finding);
+
 // Work that is counted. Tasks may lie inside each other; bodies of ffp_parallel_for may all step in one.
 typedef struct FfpTask {
     const char *what; // e.g. "rendering"
@@ -17,7 +20,7 @@ typedef struct FfpTask {
     FfpProgress before;
     double before_began; // of the task around this one
 } FfpTask;
-FfpTask ffp_task(const char *what, int64_t total);
+FfpTask ffp_task(const char *what, int64_t total); // 0: a stage that is not counted
 void ffp_task_step(const FfpTask *task, int64_t done, const char *extra); // extra may be NULL
 void ffp_task_end(const FfpTask *task);
 

@@ -161,7 +161,10 @@ static bool predict(Work *w, const FfpReconstruction *options, FfpReconstruction
     const int *patterns = patterns_of(w, &n);
     const FfpMatchSettings settings = ffp_match_defaults();
     double begin = ffp_seconds();
-    if (!ffp_initialisation_new(&w->start, &w->padded, patterns, n, &settings, err)) return false;
+    FfpTask stage = ffp_task("matching", 0);
+    const bool matched = ffp_initialisation_new(&w->start, &w->padded, patterns, n, &settings, err);
+    ffp_task_end(&stage);
+    if (!matched) return false;
     stats->initialisation_s = ffp_seconds() - begin;
     if (!uses_network(&w->capture, options)) {
         w->result = ffp_initialisation_gaussians(&w->padded, &w->start);
@@ -169,7 +172,10 @@ static bool predict(Work *w, const FfpReconstruction *options, FfpReconstruction
         return true;
     }
     begin = ffp_seconds();
-    if (!predict_by_network(w, options->model, err)) return false;
+    stage = ffp_task("network", 0);
+    const bool predicted = predict_by_network(w, options->model, err);
+    ffp_task_end(&stage);
+    if (!predicted) return false;
     keep_initial_if_better(w, options, stats);
     stats->network_s = ffp_seconds() - begin;
     return true;
@@ -266,7 +272,9 @@ static bool begin(Work *w, const FfpCapture *capture, const FfpReconstruction *o
     warn_of_gaps(&w->capture);
     *stats = (FfpReconstructionStats){.patterns = n - FIRST_PATTERN, .noise = options->noise};
     const double started = ffp_seconds();
+    const FfpTask stage = ffp_task("noise", 0);
     *clean = ffp_denoise_capture(&w->capture, photographs, n, &stats->noise);
+    ffp_task_end(&stage);
     stats->denoise_s = ffp_seconds() - started;
     snprintf(stats->pattern, sizeof stats->pattern, "%s", capture->patterns[photographs[FIRST_PATTERN]].name);
     w->padded = ffp_padded_capture(&w->capture, photographs, n,

@@ -13,7 +13,7 @@
 #include "engine/pipeline/reconstruct.h"
 #include "lab/eval/scores.h"
 #include "lab/eval/subject.h"
-#include "rig/checks/suspect.h"
+#include "rig/checks/checks.h"
 
 #define REPORT_MAPS 2     // views whose G-buffers are shown
 #define REPORT_LARGE 3    // views that are drawn large

@@ -7,7 +7,7 @@
 #include "engine/network/prepared.h"
 #include "engine/pipeline/reconstruct.h"
 #include "product/api/arguments.h"
-#include "rig/checks/suspect.h"
+#include "rig/checks/checks.h"
 
 _Static_assert(sizeof(FfpPixelBase) == FFP_PREPARED_BASE * sizeof(float), "the columns of FfpPreparedArrays");
 

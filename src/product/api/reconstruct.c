@@ -2,7 +2,7 @@
 #include "engine/pipeline/reconstruct.h"
 #include "core/base/call.h"
 #include "product/api/arguments.h"
-#include "rig/checks/suspect.h"
+#include "rig/checks/checks.h"
 
 FfpReconstruction ffp_reconstruction_defaults(void) {
     return (FfpReconstruction){

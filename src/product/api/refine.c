@@ -2,7 +2,7 @@
 #include "engine/pipeline/refine.h"
 #include "core/base/call.h"
 #include "product/api/arguments.h"
-#include "rig/checks/suspect.h"
+#include "rig/checks/checks.h"
 
 FfpRefinement ffp_refinement_defaults(void) {
     return (FfpRefinement){.seconds = FFP_REFINE_SECONDS, .noise = FFP_NOISE_ESTIMATED};

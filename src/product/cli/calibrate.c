@@ -1,3 +1,4 @@
+#include <jansson.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -11,6 +12,7 @@ typedef struct Arguments {
     FfpList attitudes, calibrations;
     FfpAngles angles;
     FfpRigCalibration rig;
+    bool json;
 } Arguments;
 
 static void set_defaults(void *data) {
@@ -78,6 +80,23 @@ static void print_axis(const FfpRigCalibration *rig, const FfpRigCalibrationStat
                rig->turntable_file, rig->turntable_file);
 }
 
+// All that the other two print, and what was found.
+static void print_json(const FfpRigCalibration *rig, const FfpRigCalibrationStats *s) {
+    json_t *all = json_pack("{s:s?, s:i, s:i, s:f, s:f, s:f, s:i, s:i}", "file", rig->file, "attitudes",
+                            s->attitudes, "used", s->used, "rms", s->both, "camera_rms", s->camera,
+                            "projector_rms", s->projector, "corners", s->corners, "left_out", s->left_out);
+    if (all && s->has_axis)
+        json_object_set_new(all, "turntable",
+                            json_pack("{s:[fff], s:[fff], s:b, s:i, s:i, s:f, s:f, s:f}", "axis", s->axis[0],
+                                      s->axis[1], s->axis[2], "point", s->point[0], s->point[1], s->point[2],
+                                      "clockwise", s->reversed, "stops", s->stops, "used", s->stops_used,
+                                      "rms", s->stops_rms, "tilt", s->tilt, "shift", s->shift));
+    json_object_set(all, "findings", ffp_cli_keep_findings());
+    json_dumpf(all, stdout, JSON_INDENT(1) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(9));
+    putchar('\n');
+    json_decref(all);
+}
+
 // A panel's size that nobody gave is the first thing to doubt where things do not fit.
 static void tell_default(const FfpRigCalibration *rig) {
     fprintf(stderr, "ffprocams: no --projector given: assuming the default panel size, %d x %d\n", rig->width,
@@ -95,6 +114,7 @@ static int run(void *data) {
     }
     FfpRigCalibrationStats stats = {0};
     FfpError err = {0};
+    if (arguments->json) ffp_cli_keep_findings();
     rig->attitudes = arguments->attitudes.values;
     rig->n_attitudes = arguments->attitudes.count;
     rig->calibrations = arguments->calibrations.values;
@@ -105,6 +125,10 @@ static int run(void *data) {
         const int status = ffp_cli_fail(&err);
         if (by_default && err.code == FFP_ERROR_FILE && rig->n_attitudes > 0) tell_default(rig);
         return status;
+    }
+    if (arguments->json) {
+        print_json(rig, &stats);
+        return FFP_EXIT_OK;
     }
     if (rig->seen) printf("%s: where the board is\n", rig->seen);
     if (rig->file) print_rig(rig, &stats);
@@ -117,6 +141,11 @@ static int run(void *data) {
 #define TURNTABLE "turntable"
 
 static const FfpOption options[] = {
+    {.name = "json",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, json),
+     .help =
+         "print the figures as JSON instead, with the findings: doubts with their codes, views and advice"},
     {.name = "board",
      .argument = "CxR",
      .type = FFP_OPTION_PARSED,

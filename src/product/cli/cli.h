@@ -35,10 +35,22 @@ FfpContext *ffp_cli_context(void);
 // Continues after a call that was ended by a signal.
 void ffp_cli_clear_interrupt(void);
 void ffp_cli_clear_progress(void); // takes the line of progress off the terminal
+// The command prints what its calls find itself, on stdout.
+void ffp_cli_findings_are_printed(void);
 // Releases it. If a signal has ended a call, the program ends by that signal, as its parent expects.
 void ffp_cli_close_context(void);
 // The value of --device: everything from here on runs there. NULL: no change.
 bool ffp_cli_use_device(const char *name, FfpError *err);
+
+// --events: what happens, as lines of JSON to the file descriptor of this number. open: false, it is none.
+bool ffp_cli_open_events(const char *descriptor);
+bool ffp_cli_has_events(void);
+void ffp_cli_event_progress(const FfpProgress *progress);
+void ffp_cli_event_finding(const FfpFinding *finding);
+// Those of all calls from now on, and so far: an array of JSON.
+struct json_t *ffp_cli_keep_findings(void);
+void ffp_cli_event_log(FfpLogLevel level, const char *text);
+void ffp_cli_event_error(const FfpError *err);
 
 // Processes of an MPI job share the command's work: its calls then have their ranks, and only the first
 // prints common messages. Does nothing in a process that was started alone.

@@ -6,6 +6,7 @@
 
 int ffp_cli_fail(const FfpError *err) {
     ffp_cli_clear_progress();
+    ffp_cli_event_error(err);
     fprintf(stderr, "ffprocams: %serror: %s\n", ffp_cli_rank_name(), err->text);
     return FFP_EXIT_FAILURE;
 }

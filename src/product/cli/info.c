@@ -4,12 +4,15 @@
 
 typedef struct Arguments {
     const char *file, *report;
+    bool json;
 } Arguments;
 
 static int run(void *data) {
     const Arguments *arguments = data;
     FfpError err = {0};
-    char *text = ffp_info(ffp_cli_context(), arguments->file, &err);
+    ffp_cli_findings_are_printed();
+    char *text = arguments->json ? ffp_info_json(ffp_cli_context(), arguments->file, &err)
+                                 : ffp_info(ffp_cli_context(), arguments->file, &err);
     if (!text) return ffp_cli_fail(&err);
     fputs(text, stdout);
     ffp_free(text);
@@ -26,6 +29,11 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, report),
      .help = "also write an HTML page of a capture: the checks, and a contact sheet of the masks in which "
              "doubtful views are marked"},
+    {.name = "json",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, json),
+     .help = "print JSON instead: the text, and what was checked as findings, each with its code, severity, "
+             "view, figure, limit and advice"},
     {0},
 };
 

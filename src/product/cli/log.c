@@ -16,6 +16,7 @@ static FfpDeviceKind device_kind;         // of it
 static volatile sig_atomic_t interrupted; // the signal
 static atomic_bool shown;                 // a line of progress stands on the terminal
 static double shown_at;                   // seconds
+static bool findings_seen;                // the command prints them itself
 
 static void on_signal(int number) {
     interrupted = number;
@@ -28,10 +29,37 @@ void ffp_cli_clear_progress(void) {
 static void write_line(void *user, FfpLogLevel level, const char *text) {
     (void)user;
     const bool warning = level == FFP_LOG_WARNING;
+    ffp_cli_event_log(level, text);
     if (!warning && ffp_cli_ranks() && ffp_cli_ranks()->rank > 0) return;
     ffp_cli_clear_progress();
     fprintf(stderr, "ffprocams: %s%s%s\n", warning ? ffp_cli_rank_name() : "", warning ? "warning: " : "",
             text);
+}
+
+// "fix=camera.k3 camera.p" as it is given on the command line.
+static void print_setting(const char *setting) {
+    const char *equals = setting ? strchr(setting, '=') : NULL;
+    if (!equals) return;
+    fputs("ffprocams:   run it again with", stderr);
+    for (const char *word = equals + 1; *word; word += strcspn(word, " "), word += *word == ' ')
+        fprintf(stderr, " --%.*s %.*s", (int)(equals - setting), setting, (int)strcspn(word, " "), word);
+    fputc('\n', stderr);
+}
+
+static void write_finding(void *user, const FfpFinding *f) {
+    const bool warning = f->severity == FFP_FINDING_DOUBT;
+    (void)user;
+    ffp_cli_event_finding(f);
+    if (findings_seen || f->severity == FFP_FINDING_OK || f->severity == FFP_FINDING_FAULT) return;
+    if (!warning && ffp_cli_ranks() && ffp_cli_ranks()->rank > 0) return;
+    ffp_cli_clear_progress();
+    fprintf(stderr, "ffprocams: %s%s%s%s%s\n", warning ? ffp_cli_rank_name() : "", warning ? "warning: " : "",
+            f->text, f->advice ? ": " : "", f->advice ? f->advice : "");
+    print_setting(f->setting);
+}
+
+void ffp_cli_findings_are_printed(void) {
+    findings_seen = true;
 }
 
 // "1:02:03", "2:03" or "3 s"
@@ -48,9 +76,13 @@ static void print_duration(double seconds, char *text, size_t size) {
 static void show(const FfpProgress *p, bool terminal) {
     char left[32] = "?";
     if (p->seconds_left >= 0) print_duration(p->seconds_left, left, sizeof left);
-    fprintf(stderr, "%sffprocams: %s %lld/%lld, %.3g/s, %s left%s%s%s", terminal ? "\r\033[K" : "", p->stage,
-            (long long)p->done, (long long)p->total, p->seconds > 0 ? (double)p->done / p->seconds : 0, left,
-            p->extra ? ", " : "", p->extra ? p->extra : "", terminal ? "" : "\n");
+    if (p->total == 0)
+        fprintf(stderr, "%sffprocams: %s%s", terminal ? "\r\033[K" : "", p->stage, terminal ? "" : "\n");
+    else
+        fprintf(stderr, "%sffprocams: %s %lld/%lld, %.3g/s, %s left%s%s%s", terminal ? "\r\033[K" : "",
+                p->stage, (long long)p->done, (long long)p->total,
+                p->seconds > 0 ? (double)p->done / p->seconds : 0, left, p->extra ? ", " : "",
+                p->extra ? p->extra : "", terminal ? "" : "\n");
     fflush(stderr);
     shown = terminal;
 }
@@ -66,6 +98,8 @@ static bool on_progress(void *user, const FfpProgress *p) {
     (void)user;
     const bool terminal = isatty(STDERR_FILENO);
     const double interval = terminal ? terminal_interval : file_interval;
+    ffp_cli_event_progress(p);
+    if (ffp_cli_has_events()) return !interrupted;
     if (ffp_cli_ranks() && ffp_cli_ranks()->rank > 0) return !interrupted;
     if (!p->stage) {
         ffp_cli_clear_progress();
@@ -80,6 +114,7 @@ bool ffp_cli_open_context(FfpDeviceKind device, FfpError *err) {
     FfpContextSettings settings = ffp_context_defaults();
     settings.log = write_line;
     settings.progress = on_progress;
+    settings.finding = write_finding;
     settings.device = device;
     settings.ranks = ffp_cli_ranks();
     device_kind = device;

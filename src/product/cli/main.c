@@ -23,6 +23,12 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_FOLDER,
      .help = "write the manual pages of all commands and ffprocams-completion.bash, for completion in bash, "
              "to this folder"},
+    {.name = "events",
+     .argument = "FD COMMAND...",
+     .type = FFP_OPTION_TEXT,
+     .help =
+         "run a command and write what happens to this file descriptor, a line of JSON each: progress with "
+         "its stage, findings, notes, warnings and errors; progress is then not shown otherwise"},
     {0},
 };
 
@@ -113,9 +119,18 @@ int main(int argc, char **argv) {
     if (strcmp(argv[1], "--pages") == 0)
         return argc == 3 ? ffp_cli_pages(&here, argv[2])
                          : ffp_cli_usage(NULL, "--pages takes exactly one value: DIR");
+    char **const whole = argv;
+    const char *events = strcmp(argv[1], "--events") == 0 ? argv[2] : NULL;
+    if (whole[1] && strcmp(whole[1], "--events") == 0) {
+        if (argc < 4)
+            return ffp_cli_usage(NULL, "--events takes the number of a file descriptor, and a command");
+        argc -= 2, argv += 2;
+    }
     for (int i = 0; commands[i]; i++)
         if (strcmp(argv[1], commands[i]->name) == 0) {
-            ffp_cli_wait_passively(argv);
+            ffp_cli_wait_passively(whole);
+            if (events && !ffp_cli_open_events(events))
+                return ffp_cli_usage(NULL, "--events: %s is not an open file descriptor", events);
             if (commands[i] == &ffp_cli_reconstruct) keep_large_blocks();
             return ffp_cli_on_large_stack(run, &(Given){commands[i], argc - 1, argv + 1});
         }

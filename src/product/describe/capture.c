@@ -111,7 +111,7 @@ static void print_structured_light(FILE *out, const FfpCapture *capture) {
     }
 }
 
-void ffp_print_capture(FILE *out, const FfpLooked *looked) {
+void ffp_print_capture(FILE *out, const FfpLooked *looked, FfpFindings *found) {
     const FfpCapture *capture = looked->taken, *seen = &looked->seen;
     fputs("capture      ", out);
     ffp_put_plain(out, capture->name);
@@ -135,13 +135,15 @@ void ffp_print_capture(FILE *out, const FfpLooked *looked) {
     if (looked->reduced)
         fprintf(out, "looked at    photographs reduced to %d x %d\n", seen->views[0].camera.width,
                 seen->views[0].camera.height);
-    ffp_rig_checks(seen, &capture->views[0].camera, out);
+    ffp_rig_checks(found, seen, &capture->views[0].camera);
+    fputs("checks\n", out);
+    ffp_findings_page(out, found->items, found->count);
 }
 
-bool ffp_describe_capture(FILE *out, const char *path, FfpError *err) {
+bool ffp_describe_capture(FILE *out, const char *path, FfpFindings *found, FfpError *err) {
     FfpLooked looked;
     if (!ffp_looked_open(&looked, path, FFP_LOOKED_VALUES, err)) return false;
-    ffp_print_capture(out, &looked);
+    ffp_print_capture(out, &looked, found);
     ffp_looked_free(&looked);
     return true;
 }

@@ -93,11 +93,11 @@ static bool print_field(FILE *out, const char *path, FfpError *err) {
     return true;
 }
 
-bool ffp_describe(FILE *out, const char *path, FfpError *err) {
+bool ffp_describe(FILE *out, const char *path, FfpFindings *found, FfpError *err) {
     switch (ffp_file_kind(path)) {
     case FFP_KIND_FOLDER:
     case FFP_KIND_JSON:
-        return ffp_describe_capture(out, path, err);
+        return ffp_describe_capture(out, path, found, err);
     case FFP_KIND_PLY:
     case FFP_KIND_SPZ:
     case FFP_KIND_GLTF:

@@ -17,7 +17,7 @@ bool ffp_looked_open(FfpLooked *looked, const char *path, double values, FfpErro
 #define FFP_LOOKED_VALUES 512e6 // 2 GB
 void ffp_looked_free(FfpLooked *looked);
 
-// Its contents and checks, as `info` shows them.
-void ffp_print_capture(FILE *out, const FfpLooked *looked);
+// Its contents and checks, as `info` shows them; the latter are added to what was found, too.
+void ffp_print_capture(FILE *out, const FfpLooked *looked, FfpFindings *found);
 
 #endif

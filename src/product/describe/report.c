@@ -6,6 +6,7 @@
 #include "core/base/text.h"
 #include "product/describe/print.h"
 #include "rig/checks/checks.h"
+#include "rig/checks/measure.h"
 #include "rig/masks/contact_sheet.h"
 
 static const char style[] =
@@ -30,7 +31,9 @@ static bool put_image(FILE *out, const FfpImage *encoded, const char *text, FfpE
 
 static void put_checks(FILE *out, const FfpLooked *looked) {
     FfpText *text = ffp_text_new();
-    ffp_print_capture(ffp_text_stream(text), looked);
+    FfpFindings found = {0};
+    ffp_print_capture(ffp_text_stream(text), looked, &found);
+    ffp_findings_free(&found);
     char *said = ffp_text_end(text);
     fputs("<pre>", out);
     ffp_put_html(out, said);
@@ -82,7 +85,8 @@ static bool put_view(FILE *out, const FfpCapture *capture, int v, const Doubts *
     FfpImage thumb = ffp_contact_thumb(&view->images[capture->white]);
     FfpImage picture = ffp_contact_picture(&thumb, &view->coverage);
     const double misfit = doubts->shapes.own ? doubts->shapes.own[v] : 0;
-    const bool look = misfit >= FFP_RIG_MISFIT_MAX || v == doubts->shapes.odd || v == doubts->light;
+    const bool look =
+        misfit >= ffp_rule(FFP_RULE_SILHOUETTES)->limit || v == doubts->shapes.odd || v == doubts->light;
     fputs("<figure>", out);
     const bool ok = put_image(out, &picture, view->id, err);
     fprintf(out, "<figcaption>%s", look ? "<span class=look>LOOK</span> " : "");

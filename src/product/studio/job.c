@@ -1,9 +1,9 @@
-// The program's other commands at work: one after the other, each in a terminal of its own, so that it tells
-// its progress as it would to a user; what it says is kept, and ends on disk.
+// The program's other commands at work, one after the other: each writes what happens to a pipe (--events),
+// from which the page has progress and findings, and its text to another. Both end on disk.
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
-#include <pty.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -96,54 +96,34 @@ static void add_line(FfpStudioJob *job, const char *line) {
     job->log[job->logged] = 0;
 }
 
-// "ffprocams: photographing 259/589, 25.2/s, 13 s left"
-static bool read_progress(FfpStudioJob *job, const char *line) {
-    static const char name[] = "ffprocams: ";
-    if (strncmp(line, name, sizeof name - 1) != 0) return false;
-    line += sizeof name - 1;
-    const char *comma = strstr(line, "/s, ");
-    if (!comma) return false;
-    for (const char *slash = strchr(line, '/'); slash && slash < comma; slash = strchr(slash + 1, '/')) {
-        const char *from = slash;
-        while (from > line && from[-1] >= '0' && from[-1] <= '9') from--;
-        char *end;
-        if (from == slash || from == line) continue;
-        const long long total = strtoll(slash + 1, &end, 10);
-        if (*end != ',' || total <= 0) continue;
-        job->done = strtoll(from, NULL, 10), job->total = total;
-        snprintf(job->stage, sizeof job->stage, "%.*s", (int)(from - line - 1), line);
-        return true;
-    }
-    return false;
+// --- What happens. ---
+
+static void copy_text(char *to, size_t size, const json_t *from) {
+    const char *text = json_string_value(from);
+    snprintf(to, size, "%s", text ? text : "");
 }
 
-typedef struct Terminal {
-    char line[2048];
-    size_t length;
-    int escape; // characters of a control sequence so far
-} Terminal;
-
-// A control sequence (ECMA-48, 5.4) ends with a letter; the program clears its line of progress by one.
-static void hear(FfpStudioJob *job, Terminal *t, char c) {
-    if (t->escape > 0) {
-        t->escape++;
-        if (c >= '@' && !(t->escape == 2 && c == '[')) t->escape = 0;
-    } else if (c == '\033') {
-        t->escape = 1;
-        t->length = 0;
-    } else if (c == '\n') {
-        t->line[t->length] = 0;
-        if (t->length > 0 && !read_progress(job, t->line)) add_line(job, t->line);
-        t->length = 0;
-    } else if ((unsigned char)c >= ' ' && t->length + 1 < sizeof t->line) {
-        t->line[t->length++] = c;
+static void take_event(FfpStudioJob *job, const char *line) {
+    json_t *event = json_loads(line, 0, NULL), *finding = json_object_get(event, "finding");
+    const char *kind = json_string_value(json_object_get(event, "event"));
+    if (kind && strcmp(kind, "progress") == 0) {
+        copy_text(job->stage, sizeof job->stage, json_object_get(event, "stage"));
+        job->done = json_integer_value(json_object_get(event, "done"));
+        job->total = json_integer_value(json_object_get(event, "total"));
+    } else if (kind && strcmp(kind, "error") == 0) {
+        copy_text(job->error, sizeof job->error, json_object_get(event, "text"));
+    } else if (finding && json_array_size(job->findings) < FFP_STUDIO_FINDINGS) {
+        json_array_append(job->findings, finding);
     }
+    json_decref(event);
 }
 
 // --- Processes. ---
 
+enum { TEXT, EVENTS, PIPES, OF_EVENTS = 3 }; // the descriptor of a command's events
+
 // Everything between fork and exec is safe in a child of a program with threads.
-static void become(const FfpStudio *studio, int terminal, char *const *words) {
+static void become(const FfpStudio *studio, const int ends[PIPES], char *const *words) {
     static const int usual[] = {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ, SIGCHLD, SIGHUP};
     sigset_t none;
     setsid(); // Ctrl-C is for the studio, which passes it on
@@ -151,43 +131,78 @@ static void become(const FfpStudio *studio, int terminal, char *const *words) {
     for (size_t i = 0; i < sizeof usual / sizeof *usual; i++) signal(usual[i], SIG_DFL);
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, NULL);
-    const int nothing = open("/dev/null", O_RDONLY);
-    if (nothing < 0 || dup2(nothing, 0) < 0 || dup2(terminal, 1) < 0 || dup2(terminal, 2) < 0 ||
-        fchdir(studio->root) != 0)
+    const int nothing = open("/dev/null", O_RDONLY), events = fcntl(ends[EVENTS], F_DUPFD, 10),
+              text = fcntl(ends[TEXT], F_DUPFD, 10); // out of the way of those that they become
+    if (nothing < 0 || events < 0 || text < 0 || fchdir(studio->root) != 0 || dup2(nothing, 0) < 0 ||
+        dup2(text, 1) < 0 || dup2(text, 2) < 0 || dup2(events, OF_EVENTS) < 0)
         _exit(126);
+    if (nothing > OF_EVENTS) close(nothing);
+    close(events), close(text);
     execv("/proc/self/exe", words); // this program, even if another was installed in its place meanwhile
     _exit(127);
 }
 
-// Starts the command at hand; its terminal, or -1.
-static int start_command(FfpStudio *studio, FfpStudioJob *job) {
-    int ours, theirs;
-    const struct winsize wide = {.ws_row = 50, .ws_col = 2000};
-    if (openpty(&ours, &theirs, NULL, NULL, &wide) != 0) return -1;
-    fcntl(ours, F_SETFD, FD_CLOEXEC), fcntl(theirs, F_SETFD, FD_CLOEXEC);
-    const pid_t child = fork();
-    if (child == 0) become(studio, theirs, job->commands[job->current].words);
-    close(theirs);
-    if (child < 0) {
-        close(ours);
-        return -1;
+// Starts the command at hand, and the pipes to read from; false: it cannot be.
+static bool start_command(FfpStudio *studio, FfpStudioJob *job, int from[PIPES]) {
+    const FfpStudioCommand *command = &job->commands[job->current];
+    char *words[FFP_STUDIO_WORDS + 3] = {command->words[0], "--events", "3"};
+    int ends[PIPES], both[2];
+    memcpy(words + 3, command->words + 1, (size_t)(command->count - 1) * sizeof *words);
+    for (int k = 0; k < PIPES; k++) {
+        if (pipe2(both, O_CLOEXEC) != 0) {
+            if (k > 0) close(from[0]), close(ends[0]);
+            return false;
+        }
+        from[k] = both[0], ends[k] = both[1];
     }
+    const pid_t child = fork();
+    if (child == 0) become(studio, ends, words);
+    for (int k = 0; k < PIPES; k++) close(ends[k]);
     job->process = child;
-    return ours;
+    if (child >= 0) return true;
+    for (int k = 0; k < PIPES; k++) close(from[k]);
+    job->process = 0;
+    return false;
 }
 
-static void listen_to(FfpStudio *studio, FfpStudioJob *job, int terminal) {
-    Terminal t = {.length = 0};
-    char bytes[4096];
-    for (ssize_t got; (got = read(terminal, bytes, sizeof bytes)) > 0 || (got < 0 && errno == EINTR);) {
-        pthread_mutex_lock(&studio->lock);
-        for (ssize_t i = 0; i < got; i++) hear(job, &t, bytes[i]);
-        t.line[t.length] = 0;
-        read_progress(job, t.line); // a line of progress has no end
-        studio->version++;          // of nothing in the folder
-        pthread_mutex_unlock(&studio->lock);
+typedef struct Line {
+    char text[1 << 14];
+    size_t length; // of a line so far; longer ones are cut
+} Line;
+
+static void hear(FfpStudioJob *job, Line *line, int which, const char *bytes, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        if (bytes[i] != '\n') {
+            if (line->length + 1 < sizeof line->text && (unsigned char)bytes[i] >= ' ')
+                line->text[line->length++] = bytes[i];
+            continue;
+        }
+        line->text[line->length] = 0;
+        if (line->length > 0) (which == EVENTS ? take_event : add_line)(job, line->text);
+        line->length = 0;
     }
-    close(terminal);
+}
+
+static void listen_to(FfpStudio *studio, FfpStudioJob *job, const int from[PIPES]) {
+    Line *lines = calloc(PIPES, sizeof *lines);
+    struct pollfd waiting[PIPES] = {{.fd = from[TEXT], .events = POLLIN},
+                                    {.fd = from[EVENTS], .events = POLLIN}};
+    char bytes[4096];
+    while (lines && (waiting[TEXT].fd >= 0 || waiting[EVENTS].fd >= 0)) {
+        if (poll(waiting, PIPES, -1) < 0) continue;
+        for (int k = 0; k < PIPES; k++) {
+            if (waiting[k].fd < 0 || !waiting[k].revents) continue;
+            const ssize_t got = read(from[k], bytes, sizeof bytes);
+            if (got < 0 && errno == EINTR) continue;
+            if (got <= 0) waiting[k].fd = -1;
+            pthread_mutex_lock(&studio->lock);
+            if (got > 0) hear(job, &lines[k], k, bytes, (size_t)got);
+            ffp_studio_told(studio); // of nothing in the folder
+            pthread_mutex_unlock(&studio->lock);
+        }
+    }
+    for (int k = 0; k < PIPES; k++) close(from[k]);
+    free(lines);
 }
 
 // Whether it ended well. Called and left with the lock.
@@ -200,14 +215,15 @@ static bool run_command(FfpStudio *studio, FfpStudioJob *job) {
         if (asprintf(&prompt, "$ %s", typed) >= 0) add_line(job, prompt), free(prompt);
         free(typed);
     }
-    const int terminal = job->commands[job->current].failed ? -1 : start_command(studio, job);
+    int from[PIPES];
+    const bool started = !job->commands[job->current].failed && start_command(studio, job, from);
     ffp_studio_changed(studio);
-    if (terminal < 0) {
+    if (!started) {
         add_line(job, "the command cannot be started");
         return false;
     }
     pthread_mutex_unlock(&studio->lock);
-    listen_to(studio, job, terminal);
+    listen_to(studio, job, from);
     while (waitpid(job->process, &status, 0) < 0 && errno == EINTR) continue;
     pthread_mutex_lock(&studio->lock);
     job->process = 0, job->stage[0] = 0;
@@ -218,6 +234,24 @@ static bool run_command(FfpStudio *studio, FfpStudioJob *job) {
         snprintf(line, sizeof line, "exit status %d", WEXITSTATUS(status));
     add_line(job, line);
     return false;
+}
+
+// The commands, and what they found, as logs/NAME.json.
+static bool write_findings(FfpStudio *studio, FfpStudioJob *job) {
+    char path[FFP_STUDIO_NAME];
+    json_t *commands = json_array();
+    for (int k = 0; k < job->n_commands; k++) {
+        char *typed = ffp_studio_typed(&job->commands[k]);
+        json_array_append_new(commands, json_string(typed ? typed : ""));
+        free(typed);
+    }
+    json_t *all = json_pack("{s:o, s:O}", "commands", commands, "findings", job->findings);
+    char *text = all ? json_dumps(all, JSON_INDENT(1) | JSON_PRESERVE_ORDER) : NULL;
+    json_decref(all);
+    snprintf(path, sizeof path, "logs/%s.json", job->name);
+    const bool ok = text && ffp_studio_write(studio, path, text, strlen(text));
+    free(text);
+    return ok;
 }
 
 static void *run_job(void *argument) {
@@ -231,7 +265,7 @@ static void *run_job(void *argument) {
     job->seconds = now() - job->began;
     job->end = job->stop ? FFP_JOB_STOPPED : ok ? FFP_JOB_DONE : FFP_JOB_FAILED;
     snprintf(path, sizeof path, "logs/%s.txt", job->name);
-    if (!ffp_studio_write(studio, path, job->log, job->logged))
+    if (!write_findings(studio, job) || !ffp_studio_write(studio, path, job->log, job->logged))
         snprintf(studio->notice, sizeof studio->notice, "%s cannot be written: %s", path, strerror(errno));
     ffp_studio_changed(studio);
     pthread_mutex_unlock(&studio->lock);
@@ -245,6 +279,9 @@ bool ffp_studio_start(FfpStudio *studio, FfpStudioJob *job, const char *name) {
     argument[0] = studio, argument[1] = job;
     snprintf(job->name, sizeof job->name, "%s", name);
     job->end = FFP_JOB_RUNNING, job->stop = false, job->current = 0, job->logged = 0, job->log[0] = 0;
+    job->error[0] = 0;
+    json_decref(job->findings);
+    job->findings = json_array();
     job->began = now(), job->seconds = 0, job->stage[0] = 0;
     job->joinable = pthread_create(&job->thread, NULL, run_job, argument) == 0;
     if (!job->joinable) free(argument), job->end = FFP_JOB_FAILED;
@@ -264,5 +301,7 @@ void ffp_studio_join(FfpStudio *studio, FfpStudioJob *job) {
     pthread_mutex_unlock(&studio->lock);
     if (job->joinable) pthread_join(job->thread, NULL);
     job->joinable = false;
+    json_decref(job->findings);
+    job->findings = NULL;
     ffp_studio_clear(job);
 }

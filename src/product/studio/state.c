@@ -98,10 +98,11 @@ static json_t *job_state(const FfpStudioJob *job) {
         json_array_append_new(lines, text(typed ? typed : "", typed ? strlen(typed) : 0));
         free(typed);
     }
-    return json_pack("{s:s, s:s, s:o, s:i, s:s, s:I, s:I, s:o, s:f}", "name", job->name, "end",
+    return json_pack("{s:s, s:s, s:o, s:i, s:s, s:I, s:I, s:o, s:o, s:f}", "name", job->name, "end",
                      ends[job->end], "commands", lines, "current", job->current, "stage", job->stage, "done",
                      (json_int_t)job->done, "total", (json_int_t)job->total, "log",
-                     text(job->log, job->logged), "seconds", job->seconds);
+                     text(job->log, job->logged), "error", text(job->error, strlen(job->error)), "seconds",
+                     job->seconds);
 }
 
 static json_t *set_state(const FfpStudio *studio, const FfpStudioSet *set) {

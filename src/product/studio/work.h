@@ -10,13 +10,14 @@
 #include <sys/types.h>
 
 enum {
-    FFP_STUDIO_NAME = 160,   // of a path inside the folder, with its 0
-    FFP_STUDIO_SAID = 400,   // of a message
-    FFP_STUDIO_SHOTS = 256,  // of a set
-    FFP_STUDIO_SETS = 256,   // of an object or the calibration
-    FFP_STUDIO_WORDS = 128,  // of a command
-    FFP_STUDIO_LINES = 6,    // commands of a job
-    FFP_STUDIO_LOG = 1 << 15 // what a job wrote last
+    FFP_STUDIO_NAME = 160,    // of a path inside the folder, with its 0
+    FFP_STUDIO_SAID = 400,    // of a message
+    FFP_STUDIO_SHOTS = 256,   // of a set
+    FFP_STUDIO_SETS = 256,    // of an object or the calibration
+    FFP_STUDIO_WORDS = 128,   // of a command
+    FFP_STUDIO_LINES = 6,     // commands of a job
+    FFP_STUDIO_LOG = 1 << 15, // what a job wrote last
+    FFP_STUDIO_FINDINGS = 500 // of a job
 };
 
 // --- Commands and jobs (job.c). ---
@@ -49,6 +50,8 @@ typedef struct FfpStudioJob {
     bool stop;      // asked for
     char stage[80]; // of the progress; "" without any
     long long done, total;
+    char error[1024]; // why it failed; ""
+    json_t *findings; // what its commands found, as ffp_finding_json; they end in logs/NAME.json
     char log[FFP_STUDIO_LOG];
     size_t logged;
     double began, seconds;
@@ -72,7 +75,9 @@ typedef struct FfpStudio {
     char notice[FFP_STUDIO_SAID];
     int shown; // number of the shot whose pattern is on the projector, where a camera fills a folder; -1:
                // none
-    FfpStudioJob job, camera, eye; // what the user began; the virtual camera; what looks for the board
+    FfpStudioJob job, camera, eye;   // what the user began; the virtual camera; what looks for the board
+    struct FfpStudioStream *streams;         // pages to which every change is sent (serve.c),
+    void (*wake)(struct FfpStudio *studio); // and how; NULL: there are none yet
     bool closing;
 } FfpStudio;
 
@@ -103,6 +108,8 @@ void ffp_studio_free_names(char **names, int count);
 json_t *ffp_studio_read_json(const FfpStudio *studio,
                              const char *path); // NULL: none, or none that can be read
 
+// Something that the page is told has changed, but nothing in the folder. With the lock.
+void ffp_studio_told(FfpStudio *studio);
 // Something beside a job's progress has changed: the page is told, and what is in the folder is looked up
 // again. With the lock.
 void ffp_studio_changed(FfpStudio *studio);

@@ -10,6 +10,7 @@
 #include "rig/calibrate/notes.h"
 #include "rig/calibrate/views.h"
 #include "rig/calibration/lens.h"
+#include "rig/findings/tell.h"
 
 #define CORNER_FAR 5        // times the deviation on an axis: Gauss passes it once in 270,000
 #define CORNER_LEAST 0.25   // pixels: nothing nearer is out of line
@@ -276,8 +277,7 @@ static bool check_focal(const FfpRigFit *fit, int which, FfpError *err) {
             "to 40 degrees, in a different direction each time",
             device_names[which], d->matrix[0], 100 * open);
     if (open > FOCAL_VAGUE)
-        ffp_warning("the %s's focal length is uncertain by %.1f %%: take more attitudes, tilted more",
-                    device_names[which], 100 * open);
+        ffp_tell(FFP_RULE_FOCAL, &(FfpFacts){.a = device_names[which], .figure = open, .limit = FOCAL_VAGUE});
     return true;
 }
 

@@ -3,8 +3,8 @@
 #include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/log.h"
+#include "rig/findings/tell.h"
 
-#define CLIPPED_MAX 0.2 // of the board's light pixels, under white
 enum { NAMES_MAX = 6, NAMES_SIZE = 320 };
 
 // "pose_1, pose_4", "all 5 attitudes", "pose_1, ... and 3 more"
@@ -87,7 +87,9 @@ static void tell_problems(const FfpRigFit *fit, bool *chosen) {
     for (int at = 0; next_problem(fit, &at, chosen, names, why);) {
         int count = 0;
         for (int i = 0; i < fit->n; i++) count += chosen[i];
-        ffp_warning("%s %s left out: %s", names, count > 1 ? "are" : "is", why);
+        char said[NAMES_SIZE + 8];
+        snprintf(said, sizeof said, "%s %s", names, count > 1 ? "are" : "is");
+        ffp_tell(FFP_RULE_ATTITUDE, &(FfpFacts){.view = count == 1 ? names : NULL, .a = said, .b = why});
     }
 }
 
@@ -126,14 +128,11 @@ void ffp_note_photographs(const FfpRigFit *fit) {
     char names[NAMES_SIZE];
     double most = 0;
     for (int i = 0; i < fit->n; i++) {
-        chosen[i] = fit->attitudes[i].clipped > CLIPPED_MAX;
+        chosen[i] = fit->attitudes[i].clipped > ffp_rule(FFP_RULE_BOARD_CLIPPED)->limit;
         most = chosen[i] && fit->attitudes[i].clipped > most ? fit->attitudes[i].clipped : most;
     }
     name_chosen(fit, chosen, names);
-    if (most > 0)
-        ffp_note("under white up to %.0f %% of the board's light pixels are overexposed: shorten the "
-                 "exposure (%s)",
-                 100 * most, names);
+    if (most > 0) ffp_tell(FFP_RULE_BOARD_CLIPPED, &(FfpFacts){.figure = most, .a = names});
     for (int k = 0; k < 2 * 16; k++) {
         const int axis = k % 2, bits = k / 2;
         bool any = false;

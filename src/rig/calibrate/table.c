@@ -8,6 +8,7 @@
 #include "core/numerics/least_squares.h"
 #include "core/numerics/rank.h"
 #include "rig/calibrate/pose.h"
+#include "rig/findings/tell.h"
 
 #define PLACE "turntable board"
 #define SAME_ANGLE 5.0   // degrees that two stops must differ by to tell a direction, modulo half a turn
@@ -385,6 +386,12 @@ static double leftover(const Table *table) {
     return sqrt(sum / table->n) * 180 / FFP_PI_DOUBLE;
 }
 
+static void tell_left_out(const FfpAttitude *a) {
+    char names[80];
+    snprintf(names, sizeof names, "%.70s is", a->name);
+    ffp_tell(FFP_RULE_ATTITUDE, &(FfpFacts){.view = a->name, .a = names, .b = a->problem});
+}
+
 static bool fit_axis(FfpTableFit *fit, Table *table, FfpError *err) {
     if (table->n < FFP_TABLE_STOPS_LEAST) {
         for (int i = 0; i < fit->n; i++)
@@ -405,8 +412,7 @@ static bool fit_axis(FfpTableFit *fit, Table *table, FfpError *err) {
                         fit->off_angle);
     settle(table, fit);
     for (int i = 0; i < fit->n; i++)
-        if (fit->attitudes[i].problem[0])
-            ffp_warning("%s is left out: %s", fit->attitudes[i].name, fit->attitudes[i].problem);
+        if (fit->attitudes[i].problem[0]) tell_left_out(&fit->attitudes[i]);
     return true;
 }
 

@@ -4,9 +4,9 @@
 #include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
-#include "core/base/log.h"
 #include "rig/calibrate/pose.h"
 #include "rig/calibrate/views.h"
+#include "rig/findings/tell.h"
 
 #define OPEN_PIXELS 1.0 // at the corner of the picture: a lens term no better known than that
 #define AS_GOOD 1.005   // of the boards' error: fewer terms may have as much more
@@ -143,97 +143,55 @@ static bool try_device(const FfpRigFit *fit, int which, Trial *trial, FfpError *
     return true;
 }
 
-// The error of all corners in both devices with these terms fixed.
-static bool pair_error(const FfpRigFit *fit, const unsigned fixed[2], double *rms, FfpError *err) {
-    FfpViews views = ffp_views_new(fit);
-    FfpCvDevice devices[2];
-    double *each = ffp_alloc((size_t)fit->n, 2 * sizeof *each), r[9], t[3];
-    ffp_views_fill(fit, 3, &views);
-    const bool ok = refit(fit, 0, fixed[0], &devices[0], err) && refit(fit, 1, fixed[1], &devices[1], err) &&
-                    ffp_cv_pair(&views.cv, &devices[0], &devices[1], r, t, each, rms, err);
-    ffp_free(each);
-    ffp_views_free(&views);
-    return ok;
-}
+// --- What is told of it. ---
 
-// --- What is said of it. ---
-
-// One warning a device; false where all its terms are determined.
-static bool tell_open_terms(const FfpCvDevice *device, const char *name) {
-    char terms[320] = "";
+// Names of the open terms with their values, and by how many pixels the worst moves the picture's corner; 0:
+// all are determined.
+static double open_terms(const FfpCvDevice *device, char text[320]) {
     double most = 0;
     int n = 0;
     for (int term = 4; term < FFP_TERMS; term++) {
         if (!ffp_term_open(device, term)) continue;
-        n += snprintf(terms + n, sizeof terms - (size_t)n, "%s%s (%.4g, deviation %.2g)", n > 0 ? ", " : "",
+        n += snprintf(text + n, 320 - (size_t)n, "%s%s (%.4g, deviation %.2g)", n > 0 ? ", " : "",
                       ffp_term_names[term], ffp_term(device, term), device->deviation[term]);
         most = fmax(most, device->deviation[term] * ffp_term_reach(device, term));
     }
-    if (n > 0)
-        ffp_warning("the photographs do not determine the %s's %s: up to %.0f pixels in the picture's corner",
-                    name, terms, most);
-    return n > 0;
+    return most;
 }
 
-static void add_options(char text[400], int which, unsigned fixed) {
+// "camera.k3 camera.p"
+static void name_fixed(char text[80], int which, unsigned fixed) {
+    text[0] = 0;
     for (int i = 0; i < TRIED; i++) {
         const size_t used = strlen(text);
         if (fixed & tried[i].fix)
-            snprintf(text + used, 400 - used, " --fix %s.%s", device_names[which], tried[i].name);
+            snprintf(text + used, 80 - used, "%s%s.%s", used > 0 ? " " : "", device_names[which],
+                     tried[i].name);
     }
 }
 
-static bool tell_trials(const FfpRigFit *fit, const bool open[2], const Trial trials[2], FfpError *err) {
-    char options[400] = "", off[200] = "";
-    unsigned fixed[2] = {fit->fixed[0], fit->fixed[1]};
-    double rms;
-    for (int d = 0; d < 2; d++) {
-        if (!open[d]) continue;
-        const size_t used = strlen(off);
-        snprintf(off + used, sizeof off - used, "%s%.3f pixels in the %s, %.3f before", used ? "; " : "",
-                 trials[d].fewer, device_names[d], trials[d].with);
-        fixed[d] = trials[d].fixed;
+static bool judge_device(const FfpRigFit *fit, int which, FfpError *err) {
+    char terms[320], fixed[80];
+    const int used = ffp_attitudes_used(fit), most = (used + FOLDS - 1) / FOLDS;
+    FfpFacts facts = {.a = device_names[which], .b = terms, .c = fixed};
+    facts.figure = open_terms(&fit->devices[which], terms);
+    if (!(facts.figure > 0)) return true;
+    FfpRuleId rule = FFP_RULE_TERMS_UNTRIED; // from so few attitudes none can be held out
+    Trial trial = {.fixed = fit->fixed[which]};
+    if (used - most >= FFP_FIT_ATTITUDES_LEAST) {
+        if (!try_device(fit, which, &trial, err)) return false;
+        rule = trial.fixed == fit->fixed[which] ? FFP_RULE_TERMS_OPEN : FFP_RULE_TERMS_FIX;
+        facts.x = trial.fewer, facts.y = trial.with;
+    } else {
+        for (int i = 0; i < TRIED; i++)
+            if (is_open(&fit->devices[which], tried[i].terms)) trial.fixed |= tried[i].fix;
+        facts.x = FFP_FIT_ATTITUDES_LEAST + 1;
     }
-    const bool fewer = fixed[0] != fit->fixed[0] || fixed[1] != fit->fixed[1];
-    for (int d = 0; d < 2; d++) add_options(options, d, fixed[d]);
-    if (!fewer) {
-        ffp_note("  without these terms boards that are held out fit worse: do not fix them; take "
-                 "photographs of the "
-                 "board at the picture's edges (%s)",
-                 off);
-        return true;
-    }
-    if (!pair_error(fit, fixed, &rms, err)) return false;
-    ffp_note("  calibrate again with%s", options);
-    ffp_note("  tried, and it holds: boards held out are off by %s; rms of all corners %.3f, %.3f before",
-             off, rms, fit->rms);
+    name_fixed(fixed, which, trial.fixed);
+    ffp_tell(rule, &facts);
     return true;
 }
 
-// From so few attitudes none can be held out.
-static void tell_untried(const FfpRigFit *fit) {
-    char options[400] = "";
-    for (int d = 0; d < 2; d++) {
-        unsigned fixed = fit->fixed[d];
-        for (int i = 0; i < TRIED; i++)
-            if (is_open(&fit->devices[d], tried[i].terms)) fixed |= tried[i].fix;
-        add_options(options, d, fixed);
-    }
-    ffp_note("  calibrate again with%s, or with more attitudes: from %d on it is tried whether that holds",
-             options, FFP_FIT_ATTITUDES_LEAST + 1);
-}
-
 bool ffp_judge_terms(const FfpRigFit *fit, FfpError *err) {
-    bool open[2], ok = true;
-    Trial trials[2] = {0};
-    for (int d = 0; d < 2; d++) open[d] = tell_open_terms(&fit->devices[d], device_names[d]);
-    if (!open[0] && !open[1]) return true;
-    const int used = ffp_attitudes_used(fit), most = (used + FOLDS - 1) / FOLDS;
-    if (used - most < FFP_FIT_ATTITUDES_LEAST) {
-        tell_untried(fit);
-        return true;
-    }
-    for (int d = 0; ok && d < 2; d++)
-        if (open[d]) ok = try_device(fit, d, &trials[d], err);
-    return ok && tell_trials(fit, open, trials, err);
+    return judge_device(fit, 0, err) && judge_device(fit, 1, err);
 }

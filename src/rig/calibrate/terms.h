@@ -15,7 +15,7 @@ bool ffp_term_open(const FfpCvDevice *device, int term);
 
 // Warns of the terms that are open, and tries to do with fewer: one that is still open is given up where
 // boards that are held out in turn, from a fit to the others, lie where they should at least as well without
-// it. Says the terms as options, how far off those boards are, and the error of all corners with them fixed.
+// it.
 // False only where OpenCV fails.
 bool ffp_judge_terms(const FfpRigFit *fit, FfpError *err);
 

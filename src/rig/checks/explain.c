@@ -7,7 +7,7 @@
 #include "core/image/lookup.h"
 #include "core/numerics/rank.h"
 #include "engine/match/coded.h"
-#include "rig/checks/checks.h"
+#include "rig/checks/measure.h"
 #include "rig/masks/chord.h"
 
 #define PIXELS_A_VIEW 300
@@ -258,7 +258,7 @@ FfpExplanation ffp_rig_explain(const FfpCapture *capture, int pattern) {
     double errors[VARIANTS];
     for (int k = 0; k < VARIANTS; k++) errors[k] = sqrt(sums[k] / out.pixels);
     out.error = out.best = errors[0];
-    for (int k = 0; k < 3; k++) out.mirrored[k] = errors[1 + k];
+    out.mirrored = fmin(errors[1], fmin(errors[2], errors[3]));
     for (int k = MIRRORS; k < MIRRORS + SHIFTS; k++) {
         if (errors[k] < out.best) out.best = errors[k], out.across = variants[k].across;
     }

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
-#include "rig/checks/checks.h"
+#include "rig/checks/measure.h"
 #include "rig/masks/chord.h"
 
 #define PIXELS 6400       // of all views together,

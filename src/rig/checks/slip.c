@@ -10,7 +10,7 @@
 #include "core/numerics/least_squares.h"
 #include "engine/match/match.h"
 #include "engine/match/surface.h"
-#include "rig/checks/checks.h"
+#include "rig/checks/measure.h"
 
 // Lengths in radii of the object's sphere.
 #define LIT 0.04F        // linear radiance that white must add in every channel

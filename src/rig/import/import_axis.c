@@ -3,7 +3,7 @@
 #include <tgmath.h>
 #include "core/base/log.h"
 #include "rig/axis/fit_axis.h"
-#include "rig/checks/checks.h"
+#include "rig/checks/measure.h"
 #include "rig/import/import_steps.h"
 
 #define MISFIT_MAX 0.1 // of the object's pixels, which an axis that is right leaves unexplained by the others
@@ -48,7 +48,7 @@ static bool accept_axis(FfpImporting *import, const FfpAxis *axis, const FfpAxis
                         "with the best axis %.0f %% of the object's pixels contradict the other views' "
                         "silhouettes: check angles, order of pictures and masks",
                         100 * misfit);
-    return (found.pixels > 0 && found.error < FFP_CHANCE_MAX * found.chance) ||
+    return (found.pixels > 0 && found.error < FFP_RIG_CHANCE_MAX * found.chance) ||
            ffp_fail(
                err, FFP_ERROR_FILE, "turntable.axis",
                "with the best axis the pattern explains the pictures hardly better than chance: check the "

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 #include "core/base/log.h"
+#include "rig/findings/tell.h"
 #include "rig/import/codes.h"
 #include "rig/import/import_steps.h"
 
@@ -78,7 +79,7 @@ static bool leave_out(FfpView *view, const FfpError *error, FfpError *err) {
         return false;
     }
     ffp_image_free(&view->correspondence);
-    ffp_warning("the Gray codes of view '%s' are left out: %s", view->id, error->text);
+    ffp_tell(FFP_RULE_CODES_LEFT_OUT, &(FfpFacts){.view = view->id, .a = error->text});
     return true;
 }
 

@@ -6,7 +6,8 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/numerics/rank.h"
-#include "rig/checks/checks.h"
+#include "rig/checks/measure.h"
+#include "rig/findings/tell.h"
 #include "rig/import/import_steps.h"
 #include "rig/masks/common_stage.h"
 #include "rig/masks/contact_sheet.h"
@@ -80,10 +81,7 @@ static void note_stage(const FfpImporting *import, const FfpStageMasks *report, 
         ffp_note("  %.1f %% are shadows of the object on the stage that only their colour tells",
                  100 * report->shade);
     if (report->gain_least < 1 / GAIN_MOST || report->gain_most > GAIN_MOST)
-        ffp_warning(
-            "the stage's light is %.2f to %.2f times that of the empty stage: photograph all with one "
-            "exposure and a warm lamp",
-            report->gain_least, report->gain_most);
+        ffp_tell(FFP_RULE_STAGE_GAIN, &(FfpFacts){.x = report->gain_least, .y = report->gain_most});
 }
 
 // From the empty stage of each view; NULL: from the one that all share.
@@ -180,9 +178,7 @@ static bool mask_by_common_stage(FfpImporting *import) {
     if (ok) {
         if (ffp_common_stage_again(&stage, capture)) replace_masks(import, &stage, &report);
         soften_edges(import, &stage, &report);
-        ffp_warning("lit background: white lights %.0f %% of the picture that stay the same at all stops. "
-                    "Photograph the stage without the object (empty) for better masks",
-                    100 * found.lit);
+        ffp_tell(FFP_RULE_LIT_BACKGROUND, &(FfpFacts){.figure = found.lit});
         note_stage(import, &report, "what stays the same over the stops");
     }
     ffp_common_stage_free(&stage, capture->n_patterns);
@@ -244,10 +240,8 @@ static void warn_of_other_light(const FfpImporting *import) {
             (odd < 0 || fabs(lights[v] - usual) > fabs(lights[odd] - usual)))
             odd = v;
     if (odd >= 0)
-        ffp_warning(
-            "view '%s': under black it has %.3f of full scale where other views have %.3f: was a lamp "
-            "switched, or did daylight change? Photograph all views in the same light",
-            import->capture.views[odd].id, lights[odd], usual);
+        ffp_tell(FFP_RULE_VIEW_LIGHT,
+                 &(FfpFacts){.view = import->capture.views[odd].id, .figure = lights[odd], .x = usual});
     ffp_free(lights);
 }
 
@@ -257,14 +251,13 @@ static void note_agreement(FfpImporting *import) {
     if (import->settings->axis != FFP_AXIS_KNOWN || capture->n_views < 2) return;
     ffp_capture_estimate_bounds(capture);
     const double share = 1 - ffp_rig_silhouette_misfit(capture);
-    static const char text[] =
-        "%s%.1f %% of the masks' pixels agree with the other views' masks; masks.png in the "
-        "capture's folder shows all of them%s";
     if (!import->stages || share >= AGREE_LEAST)
-        ffp_note(text, "  ", 100 * share, "");
+        ffp_note(
+            "  %.1f %% of the masks' pixels agree with the other views' masks; masks.png in the capture's "
+            "folder shows all of them",
+            100 * share);
     else
-        ffp_warning(text, "only ", 100 * share,
-                    ". Was the camera moved, or anything else, between the empty stage and the object?");
+        ffp_tell(FFP_RULE_MASKS_DISAGREE, &(FfpFacts){.figure = share, .limit = AGREE_LEAST});
 }
 
 static void note_otsu(const Grown *grown, int made) {

@@ -2,6 +2,7 @@
 #include <string.h>
 #include "core/base/log.h"
 #include "core/patterns/patterns.h"
+#include "rig/findings/tell.h"
 #include "rig/import/import_steps.h"
 #include "rig/masks/contact_sheet.h"
 
@@ -77,10 +78,7 @@ static void note_developed(const FfpDeveloped *developed) {
 static void note_too_bright(const FfpImporting *import) {
     const double share = (double)import->too_bright / (double)import->values;
     if (share > TOO_BRIGHT_MAX)
-        ffp_warning(
-            "%.1f %% of the photographs' values exceed the range of a capture's pictures and were clipped: "
-            "lower the exposure to keep them",
-            100 * share);
+        ffp_tell(FFP_RULE_TOO_BRIGHT, &(FfpFacts){.figure = share, .limit = TOO_BRIGHT_MAX});
 }
 
 // Files of masks that leave nothing of any view are the wrong way round, or other pictures.

@@ -5,7 +5,8 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/capture/manifest.h"
-#include "rig/checks/checks.h"
+#include "rig/checks/measure.h"
+#include "rig/findings/tell.h"
 #include "rig/import/blur.h"
 #include "rig/import/import_steps.h"
 
@@ -87,16 +88,18 @@ bool ffp_importing_find_response(FfpImporting *import, FfpError *err) {
         !try_response(import, active, errors, err))
         return false;
     if (!(errors[1] < BETTER * errors[0])) {
-        ffp_warning(
-            "the projector's response is not kept (gamma %.2f %.2f %.2f): with it the pattern explains views "
-            "held out no better, %.1f dB, than the %.1f without; patterns count as %s",
-            import->response.gamma[0], import->response.gamma[1], import->response.gamma[2],
-            decibels(errors[1]), decibels(errors[0]), import->settings->linear_patterns ? "linear" : "sRGB");
+        char gamma[64];
+        const double *g = import->response.gamma;
+        snprintf(gamma, sizeof gamma, "%.2f %.2f %.2f", g[0], g[1], g[2]);
+        ffp_tell(FFP_RULE_RESPONSE, &(FfpFacts){.a = gamma,
+                                                .b = import->settings->linear_patterns ? "linear" : "sRGB",
+                                                .x = decibels(errors[1]),
+                                                .y = decibels(errors[0])});
         return true;
     }
     take_response(import);
     const FfpExplanation found = ffp_rig_explain(capture, active);
-    if (!(found.error < FFP_CHANCE_MAX * found.chance))
+    if (!(found.error < FFP_RIG_CHANCE_MAX * found.chance))
         return ffp_fail(err, FFP_ERROR_FILE, "fit_response",
                         "with the best response the pattern explains the pictures hardly better than chance: "
                         "check poses and the pattern's file");

@@ -2,8 +2,8 @@
 #include <string.h>
 #include <tgmath.h>
 #include "core/base/alloc.h"
-#include "core/base/log.h"
 #include "core/numerics/rank.h"
+#include "rig/findings/tell.h"
 #include "rig/import/import_steps.h"
 #include "rig/masks/stage_moved.h"
 
@@ -65,17 +65,9 @@ static void warn_of_displacement(const FfpImporting *import) {
         if (hypot(moved[0], moved[1]) > hypot(most[0], most[1]))
             most[0] = moved[0], most[1] = moved[1], odd = v;
     }
-    if (2 * count > capture->n_views)
-        ffp_warning(
-            "the empty stage was photographed from another place, or the camera was moved since: it looks "
-            "like view '%s' if it is moved by %d, %d pixels (right, down). The masks are wrong: "
-            "photograph the stage and the object again without moving the camera in between",
-            capture->views[odd].id, most[0], most[1]);
-    else if (count > 0)
-        ffp_warning(
-            "view '%s' was photographed from another place: the empty stage looks like it if it is moved "
-            "by %d, %d pixels (right, down). Photograph this view again, or leave it out",
-            capture->views[odd].id, most[0], most[1]);
+    if (count > 0)
+        ffp_tell(2 * count > capture->n_views ? FFP_RULE_STAGE_ELSEWHERE : FFP_RULE_VIEW_ELSEWHERE,
+                 &(FfpFacts){.view = capture->views[odd].id, .x = most[0], .y = most[1]});
 }
 
 static double median_of(const FfpImage *black) {
@@ -101,11 +93,8 @@ static void warn_of_other_room_light(const FfpImporting *import) {
             odd = v, most = off, here = view, there = stage;
     }
     if (odd >= 0)
-        ffp_warning(
-            "view '%s': under black it has %.4f of full scale where the empty stage has %.4f: was a lamp "
-            "switched since, or did daylight change? The masks are unreliable; photograph stage and object "
-            "in the same light",
-            import->capture.views[odd].id, here, there);
+        ffp_tell(FFP_RULE_STAGE_LIGHT,
+                 &(FfpFacts){.view = import->capture.views[odd].id, .figure = here, .x = there});
 }
 
 static double mean_of(const FfpImage *image) {

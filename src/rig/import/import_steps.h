@@ -8,8 +8,6 @@
 #include "rig/import/response.h"
 #include "rig/masks/stage.h"
 
-#define FFP_CHANCE_MAX 0.75 // of what chance explains: more, and the pattern explains nothing
-
 // capture: name_capture sets its name, and the other steps set the fields described with them.
 typedef struct FfpImporting {
     const FfpImportSettings *settings; // before all steps

@@ -415,7 +415,6 @@ static void a_bad_one_is_left_out(void **state) {
     assert_true(stats.attitudes == 4 && stats.used == 3);
     assert_non_null(strstr(notes, "bad is left out: 33 photographs"));
     assert_non_null(strstr(notes, "do not determine")); // three attitudes are few for five lens terms
-    assert_non_null(strstr(notes, "fix camera.k3"));
 }
 
 // Folders with a photograph of everything that was shown give what black, white and the codes alone do; of
@@ -450,8 +449,7 @@ static void everything_that_was_shown(void **state) {
     ffp_free(text[0]), ffp_free(text[1]);
     // The terms that are open were tried on boards held out.
     printf("%s", notes);
-    assert_non_null(strstr(notes, "calibrate again with --fix "));
-    assert_non_null(strstr(notes, "tried, and it holds: boards held out are off by 0."));
+    assert_non_null(strstr(notes, "held out are then off by 0."));
     snprintf(command, sizeof command, "rm '%s'/pose_[1-4]/shot_[89].png", folder);
     assert_int_equal(system(command), 0);
     FfpRigCalibration o = settings_of(&folder, 1);

@@ -11,7 +11,9 @@ static char *said_of(const char *path, double values, bool *reduced, int *width)
     if (!ffp_looked_open(&looked, path, values, &err)) fail_msg("%s", err.text);
     *reduced = looked.reduced;
     *width = looked.seen.views[0].camera.width;
-    ffp_print_capture(ffp_text_stream(text), &looked);
+    FfpFindings found = {0};
+    ffp_print_capture(ffp_text_stream(text), &looked, &found);
+    ffp_findings_free(&found);
     ffp_looked_free(&looked);
     return ffp_text_end(text);
 }

@@ -238,7 +238,7 @@ def mangled_requests(studio, seconds):
     here = f"127.0.0.1:{studio.port}"
     body = json.dumps({"verb": "none", "settings": {"projector": [320, 200]}, "set": "calibration/attitude-00", "number": 1}).encode()
     seeds = [
-        f"GET /{studio.key}/state?known=1 HTTP/1.1\r\nHost: {here}\r\n\r\n".encode(),
+        f"GET /{studio.key}/state HTTP/1.1\r\nHost: {here}\r\n\r\n".encode(),
         f"GET /{studio.key}/file/studio.json HTTP/1.1\r\nHost: {here}\r\n\r\n".encode(),
         f"POST /{studio.key}/do HTTP/1.1\r\nHost: {here}\r\nOrigin: http://{here}\r\nContent-Length: {len(body)}\r\n\r\n".encode() + body,
         f"POST /{studio.key}/photograph?set=calibration/attitude-00&number=1 HTTP/1.1\r\nHost: {here}\r\nOrigin: http://{here}\r\n"
@@ -438,21 +438,47 @@ def jobs_end(studio):
     assert studio.do(verb="cancel")[0] == 200
     log = (studio.folder / "logs/patterns.txt").read_text()
     assert log.startswith("$ ffprocams patterns -o patterns --projector 320x200")
+    found = json.loads((studio.folder / "logs/patterns.json").read_text())
+    assert found["findings"] == [] and found["commands"][0].startswith("ffprocams patterns")
+
+
+class Stream:
+    """A page, to which the server sends what changes."""
+
+    def __init__(self, studio):
+        self.socket = socket.create_connection(("127.0.0.1", studio.port), timeout=30)
+        self.socket.sendall(f"GET /{studio.key}/events HTTP/1.1\r\nHost: 127.0.0.1:{studio.port}\r\n\r\n".encode())
+        self.lines = self.socket.makefile("rb")
+
+    def next(self):
+        line = b""
+        while not line.startswith(b"data: "):
+            line = self.lines.readline()
+            assert line, "the stream has ended"
+        return json.loads(line[6:])
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.socket.close()
 
 
 def the_folder_is_listed_when_something_changed(studio):
     """Not for every step of a job's progress; a page that begins is told what there is."""
     mine = studio.folder / "patterns/099_mine.png"
-    patterns = lambda path: json.loads(studio.ask("GET", path)[1])["patterns"]
-    before = patterns("state")
+    patterns = lambda: json.loads(studio.ask("GET", "state")[1])["patterns"]
+    before = patterns()
     mine.write_bytes(png())
-    assert patterns("state?known=0") == before
-    assert patterns("state") == [*before, mine.name]
-    mine.unlink()
-    assert mine.name in patterns("state?known=0")
-    assert studio.do(verb="cancel")[0] == 200
-    studio.do(verb="set", settings={"width": 128})
-    assert patterns("state?known=0") == before
+    assert patterns() == before
+    with Stream(studio) as page:
+        assert page.next()["patterns"] == [*before, mine.name]
+        mine.unlink()
+        assert mine.name in patterns()
+        assert studio.do(verb="cancel")[0] == 200
+        studio.do(verb="set", settings={"width": 128})
+        assert page.next()["settings"]["width"] == 128  # told without asking
+    assert patterns() == before
 
 
 def a_watched_folder(program, folder):

@@ -174,7 +174,7 @@ def check_refusals(page, folder):
 
 
 def check_fault(page, capture, folder):
-    """Black and white exchanged in one view: it is said, with what to do, and whoever knows better goes on."""
+    """Black and white exchanged in one view: the page shows it with its remedy, and whoever knows better goes on."""
     wrong = os.path.join(folder, "exchanged")
     shutil.copytree(capture, wrong)
     black, white = (os.path.join(wrong, f"path_0_theta135_all_{name}.png") for name in ("black", "white"))

@@ -1,0 +1,289 @@
+#include <math.h>
+#include <string.h>
+#include "core/base/alloc.h"
+#include "core/base/call.h"
+#include "core/numerics/rank.h"
+#include "rig/checks/checks.h"
+#include "rig/checks/hypotheses.h"
+
+#define INSIDE 0.5      // radii from the object's centre
+#define BORDER_MOST 0.9 // of the frame's edge that a mask may call object
+#define LAMP 3          // times the others' median: ambient light that another lamp made,
+#define LAMP_LEAST 0.05 // and at least so much of full scale
+#define WELL 0.06       // error of colours that are looked up rightly, at most: no more questions then
+#define CHANCE 0.7      // of what chance explains: less is an explanation
+#define BETTER 0.6      // of the error as it is: what explains so much better is right
+#define ODD 2           // times the others' median: a view that disagrees
+#define ALMOST 1.5      // times the median: an error that is none
+
+// --- Devices. ---
+
+static bool check_device(FfpFindings *found, const FfpCapture *capture, const FfpView *view,
+                         const FfpCamera *device, const char *name) {
+    double direction[3];
+    const double radii = ffp_rig_direction(capture, device, direction) / (double)capture->radius;
+    const FfpFacts facts = {.view = view->id, .a = name, .figure = radii};
+    if (!capture->scene && radii < INSIDE) return ffp_found(found, FFP_RULE_DEVICE_INSIDE, &facts);
+    if (ffp_rig_is_behind(capture, device)) return ffp_found(found, FFP_RULE_DEVICE_BEHIND, &facts);
+    return capture->scene || !(radii > ffp_rule(FFP_RULE_DEVICE_FAR)->limit) ||
+           ffp_found(found, FFP_RULE_DEVICE_FAR, &facts);
+}
+
+static bool check_devices(FfpFindings *found, const FfpCapture *capture) {
+    int behind = 0;
+    for (int v = 0; v < capture->n_views; v++)
+        behind += ffp_rig_is_behind(capture, &capture->views[v].camera);
+    // Cameras that all look away look the right way in OpenGL's axes.
+    if (behind == capture->n_views) return ffp_found(found, FFP_RULE_AXES, &(FfpFacts){0});
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpView *view = &capture->views[v];
+        if (!check_device(found, capture, view, &view->camera, "camera") ||
+            !check_device(found, capture, view, &view->projector, "projector"))
+            return false;
+    }
+    return true;
+}
+
+// --- Photographs that are exchanged or repeated. ---
+
+// A fault if a is darker than b in some or all views, although it cannot be.
+static bool check_order(FfpFindings *found, const FfpCapture *capture, int a, int b) {
+    int count = 0, first = 0;
+    for (int v = 0; v < capture->n_views; v++) {
+        if (!ffp_rig_is_darker(&capture->views[v], a, b)) continue;
+        if (count++ == 0) first = v;
+    }
+    const bool all = count == capture->n_views && count > 1;
+    return count == 0 || ffp_found(found, FFP_RULE_EXCHANGED,
+                                   &(FfpFacts){.view = all ? NULL : capture->views[first].id,
+                                               .a = capture->patterns[b].name,
+                                               .b = capture->patterns[a].name});
+}
+
+static bool same_picture(const FfpImage *a, const FfpImage *b) {
+    return a->data && b->data && a->width == b->width && a->height == b->height &&
+           memcmp(a->data, b->data, 3 * (size_t)a->width * (size_t)a->height * sizeof *a->data) == 0;
+}
+
+static double sum_of(const FfpImage *image) {
+    const ptrdiff_t count = (ptrdiff_t)3 * image->width * image->height;
+    double sum = 0;
+    for (ptrdiff_t i = 0; i < count; i++) sum += (double)image->data[i];
+    return sum;
+}
+
+// A view that has another's photograph; drawn objects may look the same from two sides. Pictures are compared
+// where their sums are equal.
+static void check_repeated_views(FfpFindings *found, const FfpCapture *capture) {
+    const int white = capture->white;
+    double *sums = ffp_alloc((size_t)capture->n_views, sizeof *sums);
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpView *view = &capture->views[v];
+        sums[v] = sum_of(&view->images[white]);
+        for (int w = 0; w < v; w++)
+            if (sums[v] == sums[w] && !ffp_same_device(&view->camera, &capture->views[w].camera) &&
+                same_picture(&view->images[white], &capture->views[w].images[white]))
+                ffp_found(found, FFP_RULE_SAME_VIEW,
+                          &(FfpFacts){.view = view->id, .other = capture->views[w].id});
+        ffp_cancel_point();
+    }
+    ffp_free(sums);
+}
+
+// A file that was copied, or a photograph taken before the projector had changed.
+static bool check_repeated(FfpFindings *found, const FfpCapture *capture, int active) {
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpView *view = &capture->views[v];
+        const int shown[3] = {capture->black, capture->white, active};
+        for (int k = 0; k < (active >= 0 ? 3 : 1); k++) { // the first two are black and white
+            const int a = shown[k], b = shown[(k + 1) % 3];
+            if (same_picture(&view->images[a], &view->images[b]))
+                return ffp_found(found, FFP_RULE_SAME_PHOTOGRAPH,
+                                 &(FfpFacts){.view = view->id,
+                                             .a = capture->patterns[a].name,
+                                             .b = capture->patterns[b].name});
+        }
+    }
+    check_repeated_views(found, capture);
+    return true;
+}
+
+// --- Masks and light. ---
+
+// Share of the frame's edge that the mask calls object.
+static double border_share(const FfpView *view) {
+    const int w = view->frame_width ? view->frame_width : view->camera.width,
+              h = view->frame_height ? view->frame_height : view->camera.height;
+    const ptrdiff_t row = view->camera.width;
+    double covered = 0;
+    for (int x = 0; x < w; x++)
+        covered += (view->coverage.data[x] >= 0.5F) + (view->coverage.data[(h - 1) * row + x] >= 0.5F);
+    for (int y = 0; y < h; y++)
+        covered += (view->coverage.data[y * row] >= 0.5F) + (view->coverage.data[y * row + w - 1] >= 0.5F);
+    return covered / (2.0 * (w + h));
+}
+
+static bool check_masks(FfpFindings *found, const FfpCapture *capture) {
+    for (int v = 0; v < capture->n_views && !capture->scene; v++)
+        if (border_share(&capture->views[v]) > BORDER_MOST)
+            return ffp_found(found, FFP_RULE_MASK_INVERTED, &(FfpFacts){.view = capture->views[v].id});
+    return true;
+}
+
+static bool check_lit(FfpFindings *found, const FfpCapture *capture, const FfpLights *lights) {
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpLight *light = &lights->views[v];
+        const FfpFacts facts = {.view = capture->views[v].id,
+                                .figure = light->brightened / fmax(1, light->object)};
+        if (light->object == 0) return ffp_found(found, FFP_RULE_MASK_EMPTY, &facts);
+        if (!capture->scene && light->brightened < ffp_rule(FFP_RULE_PROJECTOR_DARK)->limit * light->object)
+            return ffp_found(found, FFP_RULE_PROJECTOR_DARK, &facts);
+    }
+    return true;
+}
+
+static void check_lamps(FfpFindings *found, const FfpCapture *capture, const FfpLights *lights) {
+    const int n = capture->n_views;
+    double *ratios = ffp_alloc(2 * (size_t)n, sizeof *ratios), *sorted = ratios + n;
+    for (int v = 0; v < n; v++)
+        ratios[v] = sorted[v] = lights->views[v].black / fmax(lights->views[v].added, 1e-9);
+    const double usual = ffp_median(sorted, (size_t)n);
+    for (int v = 0; v < n && n > 2 && !capture->scene; v++)
+        if (ratios[v] > LAMP * usual && lights->views[v].black > LAMP_LEAST * lights->views[v].object)
+            ffp_found(found, FFP_RULE_LAMP, &(FfpFacts){.view = capture->views[v].id});
+    ffp_free(ratios);
+}
+
+// A note, if a figure is above its rule's limit.
+static void note_above(FfpFindings *found, FfpRuleId rule, double figure) {
+    if (figure > ffp_rule(rule)->limit) ffp_found(found, rule, &(FfpFacts){.figure = figure});
+}
+
+static bool check_light(FfpFindings *found, const FfpCapture *capture, int active) {
+    if (!check_masks(found, capture) || !check_order(found, capture, capture->white, capture->black) ||
+        !check_repeated(found, capture, active))
+        return false;
+    FfpLights lights = ffp_rig_lights(capture, false);
+    const FfpLight *all = &lights.all;
+    bool ok = check_lit(found, capture, &lights);
+    if (ok && active >= 0)
+        ok = check_order(found, capture, capture->white, active) &&
+             check_order(found, capture, active, capture->black);
+    if (ok) {
+        check_lamps(found, capture, &lights);
+        note_above(found, FFP_RULE_NOTE_CLIPPED, all->clipped / all->object);
+        if ((double)all->bright < ffp_rule(FFP_RULE_NOTE_UNDEREXPOSED)->limit)
+            ffp_found(found, FFP_RULE_NOTE_UNDEREXPOSED, &(FfpFacts){.figure = (double)all->bright});
+        note_above(found, FFP_RULE_BRIGHT_ROOM, all->black / (all->black + all->added));
+    }
+    ffp_rig_lights_free(&lights);
+    return ok;
+}
+
+// --- Silhouettes. ---
+
+static bool check_silhouettes(FfpFindings *found, const FfpCapture *capture, int active) {
+    FfpSilhouettes shapes = ffp_rig_silhouettes(capture);
+    FfpSummed pattern = {0};
+    if (active >= 0) pattern = ffp_summed_new(&capture->patterns[active].image);
+    const FfpCase c = {.capture = capture,
+                       .active = active,
+                       .pattern = &pattern,
+                       .view = shapes.odd,
+                       .shapes = &shapes,
+                       .enough = FFP_RIG_EXPLAINED * shapes.misfit};
+    const bool much =
+        shapes.misfit >= ffp_rule(FFP_RULE_SILHOUETTES)->limit && capture->n_views >= FFP_RIG_VIEWS_TO_ACCUSE;
+    const FfpFacts facts = {.figure = shapes.misfit,
+                            .view = shapes.odd >= 0 ? capture->views[shapes.odd].id : NULL};
+    const bool ok = (shapes.odd < 0 || ffp_hypotheses_try(found, FFP_VIEW_BY_SHAPE, &c)) &&
+                    (!much || ffp_hypotheses_try(found, FFP_VIEWS_BY_SHAPE, &c));
+    if (ok && (shapes.odd >= 0 || much))
+        ffp_found(found, shapes.odd >= 0 ? FFP_RULE_NOTE_VIEW_CONTRADICTS : FFP_RULE_NOTE_VIEWS_CONTRADICT,
+                  &facts);
+    if (active >= 0) ffp_summed_free(&pattern);
+    ffp_rig_silhouettes_free(&shapes);
+    return ok;
+}
+
+// --- Structured light. ---
+
+typedef struct Odd {
+    int view;     // explained much worse than the others; -1: none
+    bool sure;    // and no better than by chance
+    double usual; // error of the views
+} Odd;
+
+static Odd odd_view(const FfpCapture *capture, int active, const FfpSummed *pattern) {
+    double *errors = ffp_alloc(2 * (size_t)capture->n_views, sizeof *errors),
+           *sorted = errors + capture->n_views;
+    Odd out = {.view = -1};
+    int n = 0, odd = -1;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpGuess guess = {.photograph = &capture->views[v].images[active], .pattern = pattern};
+        errors[v] = ffp_rig_guess(capture, &capture->views[v], &guess);
+        if (isnan(errors[v])) continue;
+        sorted[n++] = errors[v];
+        if (odd < 0 || errors[v] > errors[odd]) odd = v;
+    }
+    out.usual = ffp_median(sorted, (size_t)n);
+    const double worst = odd >= 0 ? errors[odd] : 0;
+    ffp_free(errors);
+    if (n < 3 || !(worst > ODD * out.usual) || worst < WELL) return out;
+    out.view = odd;
+    out.sure = worst > CHANCE * ffp_chance_of(capture, active, pattern, odd);
+    return out;
+}
+
+// One view is unlike the others: a fault if another photograph is what belongs there, or if what is there
+// certainly does not.
+static bool check_odd_view(FfpFindings *found, const Odd *odd, FfpCase *c) {
+    c->view = odd->view;
+    c->enough = ALMOST * odd->usual;
+    return ffp_hypotheses_try(found, FFP_VIEW_BY_LIGHT, c) &&
+           (!odd->sure || ffp_found(found, FFP_RULE_PATTERN_NOT_THERE,
+                                    &(FfpFacts){.view = c->capture->views[odd->view].id,
+                                                .a = c->capture->patterns[c->active].name}));
+}
+
+static bool check_all_views(FfpFindings *found, FfpCase *c) {
+    c->chance = ffp_chance_of(c->capture, c->active, c->pattern, -1);
+    c->enough = fmin(BETTER * c->error, CHANCE * c->chance);
+    return !(c->error > CHANCE * c->chance) ||
+           (ffp_hypotheses_try(found, FFP_VIEWS_BY_LIGHT, c) &&
+            ffp_found(found, FFP_RULE_NOTE_CHANCE,
+                      &(FfpFacts){.a = c->capture->patterns[c->active].name,
+                                  .figure = c->error,
+                                  .limit = CHANCE * c->chance}));
+}
+
+static bool check_pattern(FfpFindings *found, const FfpCapture *capture, int active) {
+    FfpSummed pattern = ffp_summed_new(&capture->patterns[active].image);
+    FfpCase c = {.capture = capture, .active = active, .pattern = &pattern, .view = -1};
+    const Odd odd = odd_view(capture, active, &pattern);
+    c.error = ffp_error_of(capture, active, (FfpGuess){.pattern = &pattern});
+    const bool well = odd.usual < WELL && odd.view < 0;
+    // Of stripes, every guess explains them.
+    const bool ok = well || (c.error < FFP_RIG_SHOWN && !ffp_rig_tells(capture, active)) ? true
+                    : odd.usual >= WELL ? check_all_views(found, &c)
+                                        : check_odd_view(found, &odd, &c);
+    ffp_summed_free(&pattern);
+    return ok;
+}
+
+// --- All of it. ---
+
+bool ffp_rig_faults(FfpFindings *found, const FfpCapture *capture) {
+    const int active = ffp_capture_active_pattern(capture, NULL, NULL);
+    return check_devices(found, capture) && check_light(found, capture, active) &&
+           (capture->scene || check_silhouettes(found, capture, active)) &&
+           (active < 0 || check_pattern(found, capture, active));
+}
+
+bool ffp_rig_suspect(const FfpCapture *capture, FfpError *err) {
+    FfpFindings found = {0};
+    ffp_rig_faults(&found, capture);
+    const bool ok = ffp_findings_tell(&found, capture->folder, err);
+    ffp_findings_free(&found);
+    return ok;
+}

@@ -1,0 +1,35 @@
+// What people do to photographs and calibrations, tried on a capture that contradicts itself: supposed to
+// have happened, it is undone, and what remains of the contradiction is measured again.
+#ifndef FFP_RIG_CHECKS_HYPOTHESES_H
+#define FFP_RIG_CHECKS_HYPOTHESES_H
+
+#include "rig/checks/measure.h"
+#include "rig/findings/tell.h"
+
+// What contradicts itself, and how it is measured.
+typedef enum FfpEvidence {
+    FFP_VIEW_BY_SHAPE,  // one view, by silhouettes
+    FFP_VIEWS_BY_SHAPE, // all
+    FFP_VIEWS_BY_LIGHT, // all, by the structured light
+    FFP_VIEW_BY_LIGHT,  // one
+} FfpEvidence;
+
+typedef struct FfpCase {
+    const FfpCapture *capture;
+    int active;                   // the structured light's pattern; -1: none
+    const FfpSummed *pattern;     // its picture
+    int view;                     // the one view
+    const FfpSilhouettes *shapes; // by silhouettes
+    double error, chance;         // by light: as it is, and by chance
+    double enough;                // share of the pixels or error that is an explanation
+} FfpCase;
+
+// Adds the fault that explains the case best of those of the first kind that does. False: one did.
+bool ffp_hypotheses_try(FfpFindings *found, FfpEvidence evidence, const FfpCase *c);
+
+// Root mean square over all views of a guess at the photographs under `active`; NAN: too few pixels are lit.
+double ffp_error_of(const FfpCapture *capture, int active, FfpGuess guess);
+// The least of four places where the pattern certainly is not, of one view or, -1, of all.
+double ffp_chance_of(const FfpCapture *capture, int active, const FfpSummed *pattern, int view);
+
+#endif

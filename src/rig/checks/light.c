@@ -1,0 +1,116 @@
+#include <math.h>
+#include <stdlib.h>
+#include "core/base/alloc.h"
+#include "core/base/call.h"
+#include "core/numerics/rank.h"
+#include "rig/checks/measure.h"
+#include "rig/masks/chord.h"
+
+#define LIT 0.02               // what white adds to a pixel that it lights, and a difference that counts
+#define LIT_IN_THE_MEAN 0.005F // likewise over the channels
+#define CLIPPED (254.5 / 255)  // encoded
+#define DARKER_SHARE 0.25      // of a view's object pixels
+#define BRIGHTER_MOST 0.1      // of them, that are brighter all the same
+#define CHORD_PARTS 24
+
+static real brightest(const real rgb[3]) {
+    return (real)fmax((double)rgb[0], fmax((double)rgb[1], (double)rgb[2]));
+}
+
+static real mean_of(const real rgb[3]) {
+    return (rgb[0] + rgb[1] + rgb[2]) / 3;
+}
+
+bool ffp_rig_is_darker(const FfpView *view, int a, int b) {
+    const ptrdiff_t pixels = (ptrdiff_t)view->camera.width * view->camera.height;
+    const real *one = view->images[a].data, *other = view->images[b].data;
+    double object = 0, darker = 0, brighter = 0;
+    for (ptrdiff_t i = 0; i < pixels; i++) {
+        if (view->coverage.data[i] < 0.5F) continue;
+        const real difference = mean_of(other + 3 * i) - mean_of(one + 3 * i);
+        object++;
+        darker += difference > (real)LIT;
+        brighter += difference < (real)-LIT;
+    }
+    return darker > DARKER_SHARE * object && brighter < BRIGHTER_MOST * object;
+}
+
+// Whether any point of the pixel's ray within the object's sphere lies in the projector's frustum.
+static bool can_be_lit(const FfpCapture *capture, const FfpView *view, size_t pixel) {
+    FfpChord chord;
+    const int parts = ffp_chord(capture, &view->camera, pixel, &chord) ? CHORD_PARTS : 0;
+    for (int k = 0; k < parts; k++) {
+        real point[3];
+        ffp_chord_point(&chord, k, parts, point);
+        if (ffp_rig_falls_into(&view->projector, point)) return true;
+    }
+    return false;
+}
+
+// Of lit pixels over all views so far.
+typedef struct Lit {
+    float *white, *share; // brightest channel under white; of it under black
+    size_t count;
+} Lit;
+
+static FfpLight look_at_view(const FfpCapture *capture, const FfpView *view, bool reach, Lit *lit) {
+    const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
+    float *values = ffp_alloc(pixels, sizeof *values);
+    FfpLight out = {0};
+    size_t n = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        const real *black = view->images[capture->black].data + 3 * i,
+                   *white = view->images[capture->white].data + 3 * i;
+        if (view->coverage.data[i] < 0.5F) continue;
+        const double w = (double)brightest(white), b = (double)brightest(black);
+        const real added = mean_of(white) - mean_of(black);
+        values[n++] = (float)w;
+        out.black += (double)mean_of(black);
+        out.added += (double)added;
+        out.brightened += added > LIT_IN_THE_MEAN;
+        out.clipped += (double)ffp_srgb_encode((real)w) >= CLIPPED;
+        out.reversed += w < b - LIT;
+        if (w - b <= LIT) continue;
+        out.lit++;
+        out.unreached += reach && !can_be_lit(capture, view, i);
+        lit->white[lit->count] = (float)w;
+        lit->share[lit->count++] = (float)(b / w);
+    }
+    out.object = (double)n;
+    out.bright = ffp_quantile(values, n, 0.95);
+    ffp_free(values);
+    ffp_cancel_point();
+    return out;
+}
+
+FfpLights ffp_rig_lights(const FfpCapture *capture, bool reach) {
+    FfpLights out = {.views = ffp_alloc((size_t)capture->n_views, sizeof *out.views)};
+    size_t pixels = 1;
+    for (int v = 0; v < capture->n_views; v++)
+        pixels += (size_t)capture->views[v].camera.width * (size_t)capture->views[v].camera.height;
+    Lit lit = {ffp_alloc(pixels, sizeof *lit.white), ffp_alloc(pixels, sizeof *lit.share), 0};
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpLight own = out.views[v] = look_at_view(capture, &capture->views[v], reach, &lit);
+        out.all.object += own.object, out.all.lit += own.lit, out.all.brightened += own.brightened;
+        out.all.clipped += own.clipped, out.all.reversed += own.reversed, out.all.unreached += own.unreached;
+        out.all.black += own.black, out.all.added += own.added;
+        out.all.bright = fmaxf(out.all.bright, own.bright);
+    }
+    out.bright = ffp_quantile(lit.white, lit.count, 0.95);
+    out.ambient = ffp_quantile(lit.share, lit.count, 0.5);
+    ffp_free(lit.white);
+    ffp_free(lit.share);
+    return out;
+}
+
+void ffp_rig_lights_free(FfpLights *lights) {
+    ffp_free(lights->views);
+    *lights = (FfpLights){0};
+}
+
+double ffp_rig_unreached(const FfpCapture *capture) {
+    FfpLights lights = ffp_rig_lights(capture, true);
+    const double share = lights.all.lit > 0 ? lights.all.unreached / lights.all.lit : 0;
+    ffp_rig_lights_free(&lights);
+    return share;
+}

@@ -1,0 +1,46 @@
+// Findings of a call: collected, told to its caller, and as text.
+#ifndef FFP_RIG_FINDINGS_TELL_H
+#define FFP_RIG_FINDINGS_TELL_H
+
+#include <stdbool.h>
+#include <stdio.h>
+#include "core/base/arena.h"
+#include "rig/findings/rules.h"
+
+// What a rule's words are filled with.
+typedef struct FfpFacts {
+    const char *view, *other, *a, *b, *c;
+    double figure, limit, x, y, z;
+} FfpFacts;
+
+typedef struct FfpFindings {
+    FfpFinding *items; // [count]; their texts are in `memory`
+    int count;
+    FfpArena *memory;
+} FfpFindings;
+
+void ffp_findings_free(FfpFindings *findings);
+
+// Adds a finding. False if it is a fault, so that a check can `return ffp_found(...)`.
+bool ffp_found(FfpFindings *findings, FfpRuleId rule, const FfpFacts *facts);
+// The fault among them; NULL: there is none.
+const FfpFinding *ffp_findings_fault(const FfpFindings *findings);
+
+// All of them in one block, to be released with ffp_free.
+FfpFinding *ffp_findings_packed(const FfpFindings *findings);
+
+// Passes them on to the function of the current call's context, if it has one. Otherwise: false.
+bool ffp_findings_pass(const FfpFindings *findings);
+// The same, and without such a function the call's log gets the line of each that is not ok. A fault becomes
+// the error, and the function returns false. `place`: of faults of no view.
+bool ffp_findings_tell(const FfpFindings *findings, const char *place, FfpError *err);
+
+// One finding at once, a note or a doubt.
+void ffp_tell(FfpRuleId rule, const FfpFacts *facts);
+
+// "TEXT: ADVICE"
+void ffp_finding_line(FILE *out, const FfpFinding *finding);
+// The page of `info`: a line for each, "ok" or "LOOK", and the advice below. Notes have none.
+void ffp_findings_page(FILE *out, const FfpFinding *findings, int count);
+
+#endif

@@ -1,0 +1,18 @@
+'use strict';
+// What was found wrong, as the engine and the studio's server tell it (FfpFinding as JSON): an item of a list each, its remedy below.
+
+function findingItem(finding) {
+  const item = document.createElement('li'), subject = finding.subject[0].toUpperCase() + finding.subject.slice(1);
+  item.className = finding.severity;
+  item.dataset.code = finding.code;
+  item.textContent = `${subject}${finding.view ? `, view ${finding.view}` : ''}: ${finding.text}`;
+  if (finding.advice) {
+    const remedy = document.createElement('small');
+    remedy.className = 'remedy';
+    remedy.textContent = finding.advice;
+    item.append(remedy);
+  }
+  return item;
+}
+
+const isPassed = (finding) => finding.severity === 'ok';
