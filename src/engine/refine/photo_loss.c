@@ -182,18 +182,25 @@ static int code_in_turn(const FfpPhotoLoss *v, const FfpFitView *l) {
     return p;
 }
 
+// What a picture's terms weigh. A code takes its share from the other lit pictures: with less weight on
+// black, ambient colour would begin to explain the light that bounces.
+static real share_of(const FfpPhotoLoss *v, int p, int shown, int code) {
+    const real each = 1 / (real)shown;
+    if (v->settings->one_picture) return 1;
+    return code < 0 || v->patterns[p] == v->capture->black ? each : (1 - each) * each;
+}
+
 static void look(FfpPhotoLoss *v, Hand *hand, const FfpGaussians *gaussians, const FfpFitView *l) {
     keep_shadow(v, hand, l->view);
     const FfpView *view = draw(v, hand, gaussians, l->view);
     ffp_view_pass_keep_shadow(hand->pass, NULL);
     const int shown = v->shown[l->view], turn = (int)(l->step % shown), code = code_in_turn(v, l);
     const bool one = v->settings->one_picture;
-    const real share = one ? 1 : 1 / (real)(shown + (code >= 0));
     for (int p = 0, nth = 0; p < v->n_patterns; p++) {
         const FfpImage *target = &v->targets[l->view * v->n_patterns + p];
         if (!target->data || (p >= v->n_patterns - v->settings->codes && p != code)) continue;
         const real counts = one ? 1 : p == code ? 0 : 1 / (real)shown;
-        if (!one || nth == turn) compare(v, hand, p, target, share, counts, l->loss);
+        if (!one || nth == turn) compare(v, hand, p, target, share_of(v, p, shown, code), counts, l->loss);
         nth++;
     }
     regularise(v, hand, view, l->step, l->loss);
