@@ -270,12 +270,19 @@ static bool check_projectors(const FfpPictureJob *job, FfpError *err) {
     return true;
 }
 
+// Pictures from files are sharp; a capture's own patterns are as soft as its projector shows them.
+static void soften(FfpPictureJob *job) {
+    for (int p = 0; p < job->n_patterns; p++)
+        if (job->owned[p]) ffp_image_blur(&job->patterns[p].image, job->capture->panel.blur);
+}
+
 bool ffp_picture_job_new(FfpPictureJob *job, const FfpGaussians *gaussians, const FfpCapture *capture,
                          const FfpPictures *options, FfpError *err) {
     *job = (FfpPictureJob){.options = options};
     if (!check_sequence(options, err) || !open_sources(job, capture, err) || !settle_intensity(job, err) ||
         !choose_views(job, err) || !choose_patterns(job, err))
         return false;
+    soften(job);
     ffp_note_elsewhere(gaussians, job->capture);
     make_orbit(job, gaussians);
     return resize_views(job, err) && check_projectors(job, err);

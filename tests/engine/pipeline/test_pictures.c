@@ -4,6 +4,7 @@
 #include "core/base/call.h"
 #include "engine/pipeline/elsewhere.h"
 #include "engine/pipeline/orbit.h"
+#include "engine/pipeline/picture_job.h"
 #include "engine/pipeline/relight.h"
 #include "support.h"
 
@@ -87,11 +88,39 @@ static void test_gaussians_of_another_place_are_noted(void **state) {
     assert_non_null(strstr(said, "67 % of the Gaussians lie outside the sphere of cow"));
 }
 
+// A picture from a file becomes as soft as the capture says its projector is; the capture's own stays.
+static void test_patterns_are_as_soft_as_the_projector(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpPattern own = {.name = "own", .image = ffp_image_new(16, 16, 3)};
+    for (int i = 0; i < 16 * 16 * 3; i++) own.image.data[i] = i / 3 % 16 < 8;
+    FfpImage encoded = ffp_image_copy(&own.image);
+    assert_true(ffp_image_write_png(&encoded, "test_pictures.png", &err));
+    FfpView view = {.camera = device_at(1, -3, 0.5F), .projector = device_at(1.5F, -3, 0.5F)};
+    view.projector.width = view.projector.height = 16;
+    FfpCapture capture = {.n_views = 1, .views = &view, .n_patterns = 1, .patterns = &own, .radius = 1};
+    capture.panel.blur = 1;
+    const char *const names[] = {"own", "test_pictures.png"};
+    const FfpPictures how = {.patterns = names, .n_patterns = 2};
+    const FfpGaussians none = {0};
+    FfpPictureJob job;
+    if (!ffp_picture_job_new(&job, &none, &capture, &how, &err)) fail_msg("%s", err.text);
+    const real *sharp = job.patterns[0].image.data + 3 * (16 * 8),
+               *soft = job.patterns[1].image.data + 3 * (16 * 8);
+    assert_true(sharp[3 * 7] == 1 && sharp[3 * 8] == 0);
+    assert_float_equal(soft[3 * 7], 0.6995, 2e-3); // half a pixel within the edge of a step of deviation 1
+    assert_float_equal(soft[3 * 8], 0.3005, 2e-3);
+    ffp_picture_job_free(&job);
+    ffp_image_free(&encoded), ffp_image_free(&own.image);
+    remove("test_pictures.png");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_quantised_values_are_those_of_a_byte),
         cmocka_unit_test(test_an_orbit_goes_once_round_the_centre),
         cmocka_unit_test(test_gaussians_of_another_place_are_noted),
+        cmocka_unit_test(test_patterns_are_as_soft_as_the_projector),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
