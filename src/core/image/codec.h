@@ -29,6 +29,15 @@ bool ffp_png_decode_raw(const FfpBytes *file, FfpDecoded *out,
 bool ffp_jpeg_is(const FfpBytes *file);
 bool ffp_jpeg_size(const FfpBytes *file, int *width, int *height, FfpError *err);
 bool ffp_jpeg_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err);
+// The light of a picture of 1 / shrink its size: means over shrink x shrink pixels. out->image: RGB, linear.
+// It stays empty where the picture is one of inks.
+typedef struct FfpReduction {
+    int shrink;
+    bool rough;        // means may be those of encoded values, which takes less time
+    const real *light; // [256] of a value
+} FfpReduction;
+bool ffp_jpeg_decode_reduced(const FfpBytes *file, const FfpReduction *reduction, FfpDecoded *out,
+                             FfpError *err);
 
 bool ffp_tiff_is(const FfpBytes *file);
 bool ffp_tiff_size(const FfpBytes *file, int *width, int *height, FfpError *err);

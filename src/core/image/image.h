@@ -57,6 +57,11 @@ bool ffp_image_read(FfpImage *image, const char *path, FfpColour colour, FfpErro
 bool ffp_image_read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err);
 // The same for files whose numbers are linear light, whatever their kind: nothing is decoded.
 bool ffp_image_read_light(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err);
+// Either (`light`: the second) at 1 / shrink of its size: means of linear light over shrink x shrink pixels,
+// in `rough` JPEG files of encoded values, which takes less time. `whole`: the file's width and height; where
+// shrink does not divide both, the picture is not reduced.
+bool ffp_image_read_reduced(FfpImage *rgb, FfpImage *alpha, int whole[2], const char *path, bool light,
+                            int shrink, bool rough, FfpError *err);
 // One channel as raw numbers: 0..65535 of a 16-bit grey PNG or TIFF (0..255 of an 8-bit one), a grey TIFF's
 // floats, or an EXR's Z, Y or first channel: depth and roughness maps. `size` may be NULL.
 bool ffp_image_read_raw16(FfpImage *image, const char *path, const FfpSize *size, FfpError *err);
@@ -113,6 +118,9 @@ FfpImage ffp_image_resize_rows(const FfpRows *rows, int width, int height);
 // Through a Gaussian of this deviation in pixels, to three of them, in place; edges are repeated. 0:
 // unchanged.
 void ffp_image_blur(FfpImage *image, real deviation);
+
+// Means over shrink x shrink pixels, in place of the picture; shrink divides its sides.
+void ffp_image_reduce(FfpImage *image, int shrink);
 
 // Bilinear sample at (u,v) in pixels, centres at +0.5, edge clamped, into out[channels].
 void ffp_image_sample(const FfpImage *image, real u, real v, real *out);

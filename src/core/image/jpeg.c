@@ -12,8 +12,10 @@ typedef struct Reading {
     struct jpeg_error_mgr errors; // first: libjpeg hands out pointers to it
     struct jpeg_decompress_struct jpeg;
     jmp_buf leave;
-    unsigned char *pixels; // [height, width, channels]
-    size_t channels;       // 3: RGB, 4: CMYK
+    unsigned char *pixels;         // [height, width, channels]; for `reduced`, a row of them
+    size_t channels;               // 3: RGB, 4: CMYK
+    const FfpReduction *reduction; // NULL: none
+    FfpImage reduced;
     int orientation;
     bool no_memory;
     bool inverted; // CMYK that Adobe's programs wrote: 255 is not an ink
@@ -56,6 +58,44 @@ static bool has_bits(const struct jpeg_decompress_struct *jpeg, size_t size) {
     return blocks / 8 / (jpeg->arith_code ? 64 : 1) <= size;
 }
 
+// Adds a row's light to the reduced picture's row that it belongs to.
+static void add_row(Reading *r, int row, int shrink) {
+    const real *light = r->reduction->light;
+    const int width = (int)r->jpeg.output_width;
+    real *to = r->reduced.data + (ptrdiff_t)3 * r->reduced.width * (row / shrink);
+    const unsigned char *from = r->pixels;
+    for (int x = 0; x < width; to += 3)
+        for (int end = x + shrink; x < end; x++, from += 3)
+            for (int c = 0; c < 3; c++) to[c] += light[from[c]];
+}
+
+// Rows are summed as they come, so that no picture of the whole size is in memory.
+static bool read_reduced(Reading *r) {
+    const FfpReduction *reduction = r->reduction;
+    int shrink = reduction->shrink;
+    if (r->channels != 3) return true; // and `reduced` stays empty
+    for (int k = 8; k > 1 && reduction->rough && r->jpeg.scale_denom == 1; k /= 2) {
+        if (shrink % k != 0) continue;
+        r->jpeg.scale_num = 1, r->jpeg.scale_denom = (unsigned)k;
+        shrink /= k;
+    }
+    jpeg_start_decompress(&r->jpeg);
+    const int width = (int)r->jpeg.output_width, height = (int)r->jpeg.output_height;
+    r->reduced = (FfpImage){width / shrink, height / shrink, 3, NULL};
+    r->reduced.data = ffp_try_alloc((size_t)r->reduced.width * (size_t)r->reduced.height, 3 * sizeof(real));
+    r->pixels = ffp_try_alloc((size_t)width, 3);
+    if (!r->pixels || !r->reduced.data) ERREXIT1(&r->jpeg, JERR_OUT_OF_MEMORY, 0);
+    JSAMPROW row = r->pixels;
+    for (int y = 0; y < height; y++) {
+        jpeg_read_scanlines(&r->jpeg, &row, 1);
+        add_row(r, y, shrink);
+    }
+    jpeg_finish_decompress(&r->jpeg);
+    for (ptrdiff_t i = 0; i < (ptrdiff_t)3 * r->reduced.width * r->reduced.height; i++)
+        r->reduced.data[i] /= (real)(shrink * shrink);
+    return true;
+}
+
 static bool read_jpeg(Reading *r, const FfpBytes *file, bool with_pixels) {
     r->jpeg.err = jpeg_std_error(&r->errors);
     r->errors.error_exit = on_error;
@@ -75,6 +115,7 @@ static bool read_jpeg(Reading *r, const FfpBytes *file, bool with_pixels) {
     r->channels = inks ? 4 : 3;
     r->inverted = inks && r->jpeg.saw_Adobe_marker;
     r->jpeg.out_color_space = inks ? JCS_CMYK : JCS_RGB;
+    if (r->reduction) return read_reduced(r);
     jpeg_start_decompress(&r->jpeg);
     const size_t stride = (size_t)r->jpeg.output_width * r->channels;
     r->pixels = ffp_try_alloc(r->jpeg.output_height, stride);
@@ -135,5 +176,22 @@ bool ffp_jpeg_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
     const size_t pixels = (size_t)width * (size_t)height;
     for (size_t i = 0; i < pixels; i++) take_pixel(&r, r.pixels + r.channels * i, out->image.data + 4 * i);
     ffp_free(r.pixels);
+    return true;
+}
+
+bool ffp_jpeg_decode_reduced(const FfpBytes *file, const FfpReduction *reduction, FfpDecoded *out,
+                             FfpError *err) {
+    int width = 0, height = 0;
+    if (!ffp_jpeg_size(file, &width, &height, err)) return false;
+    Reading r = {.reduction = reduction};
+    const bool ok = read_jpeg(&r, file, true);
+    out->orientation = r.orientation;
+    jpeg_destroy_decompress(&r.jpeg);
+    ffp_free(r.pixels);
+    if (!ok) {
+        ffp_free(r.reduced.data);
+        return broken(&r, file, err);
+    }
+    out->image = r.reduced;
     return true;
 }

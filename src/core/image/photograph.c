@@ -266,14 +266,22 @@ static bool develop(FfpImage *rgb, int *count, const Source *source, bool linear
 
 bool ffp_photograph_read(FfpImage *rgb, FfpImage *alpha, const char *path, bool linear,
                          FfpDeveloped *developed, FfpError *err) {
+    int whole[2];
+    return ffp_photograph_read_reduced(rgb, alpha, whole, path, linear, 1, false, developed, err);
+}
+
+bool ffp_photograph_read_reduced(FfpImage *rgb, FfpImage *alpha, int whole[2], const char *path, bool linear,
+                                 int shrink, bool rough, FfpDeveloped *developed, FfpError *err) {
     Source source;
     FfpDeveloped none = {0};
     int count = 0;
     if (!open_source(&source, path, err)) return false;
     if (source.kind == FFP_FOREIGN_OTHER)
-        return (linear ? ffp_image_read_light : ffp_image_read_over_black)(rgb, alpha, path, err);
+        return ffp_image_read_reduced(rgb, alpha, whole, path, linear, shrink, rough, err);
     if (alpha) *alpha = (FfpImage){0};
     if (!develop(rgb, &count, &source, linear, err)) return false;
+    whole[0] = rgb->width, whole[1] = rgb->height;
+    if (whole[0] % shrink == 0 && whole[1] % shrink == 0) ffp_image_reduce(rgb, shrink);
     if (!developed) developed = &none;
     developed->raws += source.kind == FFP_FOREIGN_RAW;
     developed->films += source.kind == FFP_FOREIGN_FILM;

@@ -17,6 +17,9 @@ typedef struct FfpDeveloped { // how many were read so far
 // be NULL. Further errors: the program is not installed, or cannot read the file; frames of several sizes.
 bool ffp_photograph_read(FfpImage *rgb, FfpImage *alpha, const char *path, bool linear,
                          FfpDeveloped *developed, FfpError *err);
+// The same at 1 / shrink of its size, as ffp_image_read_reduced.
+bool ffp_photograph_read_reduced(FfpImage *rgb, FfpImage *alpha, int whole[2], const char *path, bool linear,
+                                 int shrink, bool rough, FfpDeveloped *developed, FfpError *err);
 // Luma of a photograph (BT.601, of sRGB-encoded values), as for corner detectors: [h,w,1]. The photograph is
 // encoded in the process.
 FfpImage ffp_photograph_luma(FfpImage *rgb);

@@ -51,6 +51,12 @@ static bool has_size(const Codec *codec, const FfpBytes *file, const FfpSize *si
     return codec->size(file, &width, &height, err) && ffp_size_check(size, width, height, file->path, err);
 }
 
+static void note_orientation(FfpDecoded *out, const char *path) {
+    if (out->orientation < 2) return;
+    ffp_orient(&out->image, out->orientation);
+    ffp_note("%s: %s, as its orientation tag says", path, ffp_orientation_words(out->orientation));
+}
+
 // `raw`: one channel of numbers as they stand, rather than RGBA. `size`: that it is to have; NULL: any.
 static bool decode(FfpDecoded *out, const char *path, bool raw, const FfpSize *size, FfpError *err) {
     *out = (FfpDecoded){0};
@@ -63,10 +69,7 @@ static bool decode(FfpDecoded *out, const char *path, bool raw, const FfpSize *s
     else if (ok)
         ok = (raw ? codec->decode_raw : codec->decode)(&file, out, err);
     free_bytes(&file);
-    if (ok && out->orientation > 1) {
-        ffp_orient(&out->image, out->orientation);
-        ffp_note("%s: %s, as its orientation tag says", path, ffp_orientation_words(out->orientation));
-    }
+    if (ok) note_orientation(out, path);
     // The size that was decoded counts, whatever the header said.
     if (ok && size && !ffp_size_check(size, out->image.width, out->image.height, path, err)) {
         ffp_image_free(&out->image);
@@ -117,6 +120,58 @@ static bool read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, bo
     ffp_image_put_over_black(image);
     *rgb = *image;
     if (!decoded.linear && !light) ffp_image_to_linear(rgb);
+    return true;
+}
+
+// A JPEG's, reduced while it is decoded; *done false, without an error: of any other file.
+static bool reduce_jpeg(FfpImage *rgb, int whole[2], bool *done, const char *path, bool light, int shrink,
+                        bool rough, FfpError *err) {
+    FfpBytes file;
+    FfpDecoded out = {0};
+    real table[256];
+    *done = false;
+    if (!read_bytes(&file, path, err)) return false;
+    bool ok = true;
+    if (ffp_jpeg_is(&file)) {
+        for (int i = 0; i < 256; i++) table[i] = light ? (real)i / 255 : ffp_srgb_decode((real)i / 255);
+        ok = ffp_jpeg_size(&file, &whole[0], &whole[1], err);
+        if (ok && whole[0] % shrink == 0 && whole[1] % shrink == 0)
+            ok = ffp_jpeg_decode_reduced(&file, &(FfpReduction){shrink, rough, table}, &out, err);
+    }
+    free_bytes(&file);
+    *done = ok && out.image.data;
+    if (*done) note_orientation(&out, path);
+    *rgb = out.image;
+    return ok;
+}
+
+void ffp_image_reduce(FfpImage *image, int shrink) {
+    if (shrink == 1) return;
+    FfpImage out = ffp_image_new(image->width / shrink, image->height / shrink, image->channels);
+    const size_t n = (size_t)image->channels;
+    const real pixels = (real)(shrink * shrink);
+    for (int y = 0; y < image->height; y++)
+        for (int x = 0; x < image->width; x++) {
+            real *to = out.data + n * ((size_t)(y / shrink) * (size_t)out.width + (size_t)(x / shrink));
+            const real *from = image->data + n * ((size_t)y * (size_t)image->width + (size_t)x);
+            for (size_t c = 0; c < n; c++) to[c] += from[c] / pixels;
+        }
+    ffp_image_free(image);
+    *image = out;
+}
+
+bool ffp_image_read_reduced(FfpImage *rgb, FfpImage *alpha, int whole[2], const char *path, bool light,
+                            int shrink, bool rough, FfpError *err) {
+    bool done = false;
+    *rgb = (FfpImage){0};
+    if (alpha) *alpha = (FfpImage){0};
+    if (shrink > 1 && !reduce_jpeg(rgb, whole, &done, path, light, shrink, rough, err)) return false;
+    if (done) return true;
+    if (!read_over_black(rgb, alpha, path, light, NULL, err)) return false;
+    whole[0] = rgb->width, whole[1] = rgb->height;
+    if (whole[0] % shrink != 0 || whole[1] % shrink != 0) return true;
+    ffp_image_reduce(rgb, shrink);
+    if (alpha && alpha->data) ffp_image_reduce(alpha, shrink);
     return true;
 }
 

@@ -93,6 +93,20 @@ void ffp_optics_frame_all(const FfpOptics *optics, int border, FfpCamera *pinhol
     pinhole->cx += (real)left, pinhole->cy += (real)top;
 }
 
+int ffp_optics_shrink_by(const FfpOptics *optics, double most) {
+    int shrink = most > 1 ? (int)fmin(most, optics->width) : 1;
+    while (optics->width % shrink != 0 || optics->height % shrink != 0) shrink--;
+    return shrink;
+}
+
+FfpOptics ffp_optics_shrunk(const FfpOptics *optics, int shrink) {
+    FfpOptics out = *optics;
+    out.width /= shrink, out.height /= shrink;
+    out.fx /= shrink, out.fy /= shrink;
+    out.cx /= shrink, out.cy /= shrink;
+    return out;
+}
+
 static int samples_across(double old_focal, double new_focal) {
     const double span = ceil(old_focal / new_focal - 1e-6);
     return span < 1 ? 1 : span > SAMPLES_MAX ? SAMPLES_MAX : (int)span;

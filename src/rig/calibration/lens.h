@@ -22,6 +22,10 @@ void ffp_optics_pinhole(const FfpOptics *optics, int width, FfpCamera *pinhole);
 // Widens the pinhole's frame, at the same focal lengths, to hold all that the optics' picture shows and
 // `border` pixels around it.
 void ffp_optics_frame_all(const FfpOptics *optics, int border, FfpCamera *pinhole);
+// The largest whole number up to `most`, or 1, that divides both sides of the optics' pictures; and the
+// optics of pictures that have one pixel for so many, a side.
+int ffp_optics_shrink_by(const FfpOptics *optics, double most);
+FfpOptics ffp_optics_shrunk(const FfpOptics *optics, int shrink);
 // The picture as the pinhole would have seen it: for each of its pixels the mean of n x n bilinear samples,
 // n being how many old pixels a new one spans. Taken on the values given, which should be linear radiance:
 // what a pixel's area receives adds up. Black beyond the old picture. A pinhole that changes nothing copies.

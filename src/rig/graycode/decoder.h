@@ -26,9 +26,10 @@ typedef struct FfpGrayDecoder {
 
 const char *ffp_gray_photograph(const FfpGrayDecoder *d, int axis, int bit, int inverse);
 
-// Mean of a file's channels as linear light, [h,w], released with ffp_free; its luma where that is not NULL.
+// At 1 / shrink of its size (0: as it is): mean of a file's channels as linear light, [h,w], released with
+// ffp_free; its luma where that is not NULL.
 bool ffp_gray_read(float **grey, FfpImage *luma, int *width, int *height, const char *path, bool linear,
-                   FfpError *err);
+                   int shrink, FfpError *err);
 
 // Light, black, and where checks are made. Errors: another size, too little light.
 bool ffp_gray_find_light(FfpGrayDecoder *d, FfpError *err);

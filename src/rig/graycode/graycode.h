@@ -24,7 +24,8 @@ typedef struct FfpGrayPhotographs {
     int width, height;        // of the panel that showed them
     const char *const *codes; // [ffp_gray_photographs(width, height)] files
     const char *black, *white;
-    bool linear;         // the files' numbers are linear light, and not sRGB
+    int shrink;  // they are read at 1 / shrink of their size, which the map and `region` have; 0: as they are
+    bool linear; // the files' numbers are linear light, and not sRGB
     FfpGrayCache *cache; // where ffp_gray_find_plain leaves what it has read, for ffp_gray_decode_view; NULL:
                          // nowhere
     const FfpImage

@@ -48,13 +48,16 @@ static float *take_from_cache(FfpGrayCache *cache, const char *path, int *width,
 static bool read_light(float **grey, int *width, int *height, const FfpGrayDecoder *d, const char *path,
                        FfpError *err) {
     *grey = take_from_cache(d->from->cache, path, width, height);
-    return *grey || ffp_gray_read(grey, NULL, width, height, path, d->from->linear, err);
+    return *grey || ffp_gray_read(grey, NULL, width, height, path, d->from->linear, d->from->shrink, err);
 }
 
 bool ffp_gray_read(float **grey, FfpImage *luma, int *width, int *height, const char *path, bool linear,
-                   FfpError *err) {
+                   int shrink, FfpError *err) {
     FfpImage rgb = {0};
-    if (!ffp_photograph_read(&rgb, NULL, path, linear, NULL, err)) return false;
+    int whole[2];
+    if (!ffp_photograph_read_reduced(&rgb, NULL, whole, path, linear, shrink > 0 ? shrink : 1, true, NULL,
+                                     err))
+        return false;
     const size_t pixels = (size_t)rgb.width * (size_t)rgb.height;
     *width = rgb.width, *height = rgb.height;
     *grey = ffp_alloc(pixels, sizeof(float));
@@ -141,6 +144,28 @@ typedef struct Pair {
     int axis, bit;
     float *grey[2]; // [h,w] of the pattern and of its inverse
 } Pair;
+
+typedef struct PairReading {
+    const FfpGrayDecoder *d;
+    Pair *pair;
+    FfpError errors[2];
+    bool ok[2];
+} PairReading;
+
+static void read_half(void *argument, int64_t k) {
+    PairReading *r = argument;
+    r->ok[k] = read_next(&r->pair->grey[k], r->d,
+                         ffp_gray_photograph(r->d, r->pair->axis, r->pair->bit, (int)k), &r->errors[k]);
+}
+
+// Both photographs side by side.
+static bool read_pair(const FfpGrayDecoder *d, Pair *pair, FfpError *err) {
+    PairReading r = {.d = d, .pair = pair};
+    ffp_parallel_for(2, 0, read_half, &r);
+    const int failed = !r.ok[0] ? 0 : 1;
+    if (!r.ok[failed] && err) *err = r.errors[failed];
+    return r.ok[0] && r.ok[1];
+}
 
 static double sum_of(const FfpGrayDecoder *d, const Pair *pair, size_t pixel) {
     return (double)((pair->grey[0][pixel] + pair->grey[1][pixel] - 2 * d->black[pixel]) / d->light[pixel]);
@@ -250,9 +275,7 @@ static void try_exchange(Search *s, const Pair *other, int k, int m) {
 static void try_pair(Search *s, int axis, int bit) {
     const FfpGrayDecoder *d = s->d;
     Pair other = {axis, bit, {NULL, NULL}};
-    bool ok = true;
-    for (int k = 0; ok && k < 2; k++)
-        ok = read_next(&other.grey[k], d, ffp_gray_photograph(d, axis, bit, k), NULL);
+    const bool ok = read_pair(d, &other, NULL);
     for (int n = 0; ok && n < 4; n++) try_exchange(s, &other, n / 2, n % 2);
     ffp_free(other.grey[0]), ffp_free(other.grey[1]);
     ffp_cancel_point();
@@ -286,9 +309,7 @@ static void take_signal(FfpGrayDecoder *d, const Pair *pair) {
 
 static bool read_bit(FfpGrayDecoder *d, int axis, int bit, double *sum, FfpError *err) {
     Pair pair = {axis, bit, {NULL, NULL}};
-    bool ok = true;
-    for (int k = 0; ok && k < 2; k++)
-        ok = read_next(&pair.grey[k], d, ffp_gray_photograph(d, axis, bit, k), err);
+    bool ok = read_pair(d, &pair, err);
     if (ok && !(check_inverse(d, &pair, err) && check_exposure(d, &pair, sum, err))) {
         explain(d, &pair, err);
         ok = false;

@@ -43,8 +43,10 @@ static void compare(Plain *p) {
 static bool read_plain(Plain *p, const FfpGrayPhotographs *from, FfpError *err) {
     int width, height;
     FfpImage *luma = from->cache ? p->luma : NULL;
-    if (!ffp_gray_read(&p->grey[0], luma, &p->width, &p->height, p->files[0], from->linear, err) ||
-        !ffp_gray_read(&p->grey[1], luma ? luma + 1 : NULL, &width, &height, p->files[1], from->linear, err))
+    if (!ffp_gray_read(&p->grey[0], luma, &p->width, &p->height, p->files[0], from->linear, from->shrink,
+                       err) ||
+        !ffp_gray_read(&p->grey[1], luma ? luma + 1 : NULL, &width, &height, p->files[1], from->linear,
+                       from->shrink, err))
         return false;
     if (width != p->width || height != p->height)
         return ffp_fail(err, FFP_ERROR_FILE, p->files[1], "image is %d x %d, but '%.200s' is %d x %d", width,

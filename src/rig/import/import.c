@@ -16,7 +16,7 @@ static bool check_memory(const FfpImporting *import, FfpError *err) {
         const FfpCamera *camera = &capture->views[v].camera;
         const FfpOptics *optics = &import->calibration.stops[v].camera;
         values += (3.0 * patterns + 8) * camera->width * camera->height;
-        if (v == 0) values += 8.0 * optics->width * optics->height;
+        if (v == 0) values += 8.0 * FFP_IMPORT_READERS * optics->width * optics->height;
         if (import->shots.empty) values += 3.0 * import->shots.n_patterns * camera->width * camera->height;
     }
     return ffp_memory_suffices(values * sizeof(real), "the pictures", "make them narrower", "width", err);

@@ -6,6 +6,8 @@
 #include "rig/import/codes.h"
 #include "rig/import/import_steps.h"
 
+#define PIXELS_LEFT 2.0
+#define PANEL_LEFT 2.0
 #define FINE_SUM_MIN 0.75 // of white
 #define CLIPPED_MAX 0.2   // of the light pixels, under white
 #define CODES_OFF_MAX 3.0 // pixels: median by which the codes may contradict the calibration
@@ -30,17 +32,16 @@ static void note_report(const FfpImporting *import, const FfpView *view, const F
 }
 
 // The view's correspondence from the decoded map, checked against the poses.
-static bool place_codes(FfpImporting *import, int stop, const FfpImage *map, const FfpGrayReport *report,
-                        FfpError *err) {
+static bool place_codes(FfpImporting *import, int stop, const FfpOptics *camera, const FfpImage *map,
+                        const FfpGrayReport *report, FfpError *err) {
     FfpView *view = &import->capture.views[stop];
-    view->correspondence = ffp_codes_rectify(map, report->step, &import->calibration.stops[stop].camera,
-                                             &view->camera, &import->coded, &view->projector);
+    view->correspondence =
+        ffp_codes_rectify(map, report->step, camera, &view->camera, &import->coded, &view->projector);
     const ptrdiff_t pixels = (ptrdiff_t)view->camera.width * view->camera.height;
     for (ptrdiff_t i = 0; i < pixels; i++)
         if (!(view->coverage.data[i] > 0)) memset(view->correspondence.data + 3 * i, 0, 3 * sizeof(real));
     const FfpCodesFit fit = ffp_codes_check(view);
-    import->code_step = fmax(import->code_step, report->step * import->calibration.stops[stop].camera.fx /
-                                                    (double)view->camera.fx);
+    import->code_step = fmax(import->code_step, report->step * camera->fx / (double)view->camera.fx);
     note_report(import, view, report, &fit);
     return (fit.known > 0 && fit.off <= CODES_OFF_MAX) ||
            ffp_fail(err, FFP_ERROR_FILE, "gray_codes",
@@ -50,22 +51,33 @@ static bool place_codes(FfpImporting *import, int stop, const FfpImage *map, con
                     view->id, fit.known, fit.off);
 }
 
+// By what the photographs are reduced before: down to two pixels a side for one of the capture or the panel.
+static int shrink_by(const FfpImporting *import, int stop) {
+    const FfpOptics *camera = &import->calibration.stops[stop].camera, *panel = &import->coded;
+    const double panel_pixels = (double)panel->width * panel->height;
+    return ffp_optics_shrink_by(
+        camera, fmin(camera->fx / (double)import->capture.views[stop].camera.fx / PIXELS_LEFT,
+                     sqrt((double)camera->width * camera->height / panel_pixels) / PANEL_LEFT));
+}
+
 static bool decode_view(FfpImporting *import, int stop, FfpError *err) {
     const FfpShots *shots = &import->shots;
     FfpView *view = &import->capture.views[stop];
     const char *const *pictures = shots->pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
-    FfpImage map = {0}, region = ffp_codes_region(&view->coverage, &view->camera,
-                                                  &import->calibration.stops[stop].camera);
+    const int shrink = shrink_by(import, stop);
+    const FfpOptics camera = ffp_optics_shrunk(&import->calibration.stops[stop].camera, shrink);
+    FfpImage map = {0}, region = ffp_codes_region(&view->coverage, &view->camera, &camera);
     const FfpGrayPhotographs from = {.width = import->coded.width,
                                      .height = import->coded.height,
                                      .codes = shots->codes + (ptrdiff_t)stop * shots->n_codes,
                                      .black = pictures[shots->black],
                                      .white = pictures[shots->white],
+                                     .shrink = shrink,
                                      .linear = import->settings->linear_images,
                                      .region = &region};
     FfpGrayReport report;
-    const bool ok =
-        ffp_gray_decode_view(&map, &report, &from, err) && place_codes(import, stop, &map, &report, err);
+    const bool ok = ffp_gray_decode_view(&map, &report, &from, err) &&
+                    place_codes(import, stop, &camera, &map, &report, err);
     ffp_image_free(&map);
     ffp_image_free(&region);
     return ok;

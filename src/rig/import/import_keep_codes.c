@@ -81,14 +81,16 @@ static int choose(FfpImporting *import, int *chosen) {
 static bool load_view(FfpImporting *import, int stop, const int *chosen, int n, FfpError *err) {
     FfpView *view = &import->capture.views[stop];
     const int first = ffp_patterns_shown(&import->capture);
+    FfpImage alphas[FFP_CODES_MOST] = {0};
+    const char *paths[FFP_CODES_MOST] = {NULL};
+    for (int k = 0; k < n; k++)
+        paths[k] = import->shots.codes[(ptrdiff_t)stop * import->shots.n_codes + chosen[k]];
+    const bool ok = ffp_importing_read_pictures(import, paths, n, stop, view->images + first, alphas, err);
     for (int k = 0; k < n; k++) {
-        FfpImage *image = &view->images[first + k], alpha = {0};
-        const char *path = import->shots.codes[(ptrdiff_t)stop * import->shots.n_codes + chosen[k]];
-        if (!ffp_importing_read_picture(import, path, stop, image, &alpha, err)) return false;
-        if (!alpha.data) ffp_mask_apply(&view->coverage, image);
-        ffp_image_free(&alpha);
+        if (ok && !alphas[k].data) ffp_mask_apply(&view->coverage, &view->images[first + k]);
+        ffp_image_free(&alphas[k]);
     }
-    return true;
+    return ok;
 }
 
 bool ffp_importing_keep_codes(FfpImporting *import, FfpError *err) {

@@ -48,13 +48,9 @@ static bool load_view(FfpImporting *import, int stop, FfpError *err) {
     const int n = import->shots.n_patterns;
     FfpView *view = &import->capture.views[stop];
     FfpImage *alphas = ffp_alloc((size_t)n, sizeof *alphas);
-    bool ok = true;
     view->images = ffp_alloc((size_t)(n + import->settings->codes), sizeof *view->images);
-    for (int p = 0; p < n && ok; p++) {
-        if (import->shots.pictures[stop * FFP_PATTERNS_MAX + p])
-            ok = ffp_importing_read_picture(import, import->shots.pictures[stop * FFP_PATTERNS_MAX + p], stop,
-                                            &view->images[p], &alphas[p], err);
-    }
+    bool ok = ffp_importing_read_pictures(import, import->shots.pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX,
+                                          n, stop, view->images, alphas, err);
     if (ok) import->thumbs[stop] = ffp_contact_thumb(&view->images[import->shots.white]);
     if (ok && import->settings->scene)
         ffp_importing_cover_scene(import, stop);

@@ -1,16 +1,34 @@
 // Import: one photograph as linear light without lens distortion.
 #include <tgmath.h>
+#include "core/base/alloc.h"
+#include "core/base/call.h"
 #include "rig/import/import_steps.h"
+
+#define SAMPLES_LEFT 4 // a side of the capture's pixels, from which on a photograph may be reduced before
 
 // Exposure of linear values; what then exceeds 1 is cut off when the capture is written, and counted.
 static void expose(FfpImporting *import, FfpImage *image) {
     const real factor = (real)exp2(import->settings->exposure);
     const ptrdiff_t count = (ptrdiff_t)image->width * image->height * 3;
+    int64_t too_bright = 0;
     for (ptrdiff_t i = 0; i < count; i++) {
         image->data[i] *= factor;
-        import->too_bright += image->data[i] > 1.002F;
+        too_bright += image->data[i] > 1.002F;
     }
+#pragma omp atomic
+    import->too_bright += too_bright;
+#pragma omp atomic
     import->values += count;
+}
+
+// Photographs are read by several threads.
+static void count_developed(FfpDeveloped *sum, const FfpDeveloped *more) {
+#pragma omp atomic
+    sum->raws += more->raws;
+#pragma omp atomic
+    sum->films += more->films;
+#pragma omp atomic
+    sum->frames += more->frames;
 }
 
 // An alpha channel that is 1 everywhere tells nothing: programs add such to any picture.
@@ -26,18 +44,53 @@ bool ffp_importing_read_picture(FfpImporting *import, const char *path, int stop
                                 FfpImage *alpha, FfpError *err) {
     const FfpOptics *optics = &import->calibration.stops[stop].camera;
     const FfpCamera *camera = &import->capture.views[stop].camera;
+    const int shrink = ffp_optics_shrink_by(optics, optics->fx / (double)camera->fx / SAMPLES_LEFT);
+    const FfpOptics reduced = ffp_optics_shrunk(optics, shrink);
     FfpImage raw = {0}, raw_alpha = {0};
-    if (!ffp_photograph_read(&raw, &raw_alpha, path, import->settings->linear_images, &import->developed,
-                             err) ||
-        !ffp_importing_has_size(path, raw.width, raw.height, optics, err)) {
+    FfpDeveloped developed = {0};
+    int whole[2];
+    const bool read = ffp_photograph_read_reduced(
+        &raw, &raw_alpha, whole, path, import->settings->linear_images, shrink, false, &developed, err);
+    count_developed(&import->developed, &developed);
+    if (!read || !ffp_importing_has_size(path, whole[0], whole[1], optics, err)) {
         ffp_image_free(&raw);
         ffp_image_free(&raw_alpha);
         return false;
     }
     expose(import, &raw);
-    *picture = ffp_optics_rectify(optics, camera, &raw);
-    if (alpha && tells_shape(&raw_alpha)) *alpha = ffp_optics_rectify(optics, camera, &raw_alpha);
+    *picture = ffp_optics_rectify(&reduced, camera, &raw);
+    if (alpha && tells_shape(&raw_alpha)) *alpha = ffp_optics_rectify(&reduced, camera, &raw_alpha);
     ffp_image_free(&raw);
     ffp_image_free(&raw_alpha);
     return true;
+}
+
+typedef struct Reading {
+    FfpImporting *import;
+    const char *const *paths;
+    int stop;
+    FfpImage *pictures, *alphas;
+    FfpError *errors;
+    bool *ok;
+} Reading;
+
+static void read_one(void *argument, int64_t i) {
+    const Reading *r = argument;
+    r->ok[i] = !r->paths[i] || ffp_importing_read_picture(r->import, r->paths[i], r->stop, &r->pictures[i],
+                                                          &r->alphas[i], &r->errors[i]);
+    ffp_cancel_point();
+}
+
+bool ffp_importing_read_pictures(FfpImporting *import, const char *const *paths, int n, int stop,
+                                 FfpImage *pictures, FfpImage *alphas, FfpError *err) {
+    FfpError *errors = ffp_alloc((size_t)n + 1, sizeof *errors);
+    bool *ok = ffp_alloc((size_t)n + 1, sizeof *ok), all = true;
+    ffp_parallel_for(n, FFP_IMPORT_READERS, read_one,
+                     &(Reading){import, paths, stop, pictures, alphas, errors, ok});
+    for (int i = 0; i < n && all; i++) {
+        all = ok[i];
+        if (!all && err) *err = errors[i];
+    }
+    ffp_free(errors), ffp_free(ok);
+    return all;
 }

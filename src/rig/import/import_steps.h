@@ -8,6 +8,8 @@
 #include "rig/import/response.h"
 #include "rig/masks/stage.h"
 
+#define FFP_IMPORT_READERS 4 // threads: each has a photograph in memory
+
 // capture: name_capture sets its name, and the other steps set the fields described with them.
 typedef struct FfpImporting {
     const FfpImportSettings *settings; // before all steps
@@ -83,6 +85,9 @@ bool ffp_importing_write_masks(const char *folder, const FfpImporting *import, F
 // empty when the file has none or its alpha channel tells nothing.
 bool ffp_importing_read_picture(FfpImporting *import, const char *path, int stop, FfpImage *picture,
                                 FfpImage *alpha, FfpError *err);
+// The same of n photographs side by side; no path: no picture. alphas: [n].
+bool ffp_importing_read_pictures(FfpImporting *import, const char *const *paths, int n, int stop,
+                                 FfpImage *pictures, FfpImage *alphas, FfpError *err);
 // The empty stage, where there are photographs of it; and its memory (5).
 bool ffp_importing_load_stage(FfpImporting *import, FfpError *err);
 // A warning each where the stage, or a view, was photographed from another place, and where the room's light

@@ -227,6 +227,44 @@ static void jpeg_is_read(void **state) {
 }
 
 // Composition happens in encoded values: 0.8 at alpha 0.5 is linear(0.4), not linear(0.8) / 2.
+// Reduced while they are read, pictures are the means of their light.
+static void reduced_pictures_are_means(void **state) {
+    (void)state;
+    enum { SIDE = 48, SHRINK = 4 };
+    FfpRng rng = ffp_rng(3, 1);
+    FfpImage shown = ffp_image_new(SIDE, SIDE, 3), whole, small;
+    for (int i = 0; i < SIDE * SIDE; i++)
+        for (int c = 0; c < 3; c++)
+            shown.data[3 * i + c] =
+                (real)((i / SIDE / 12 + i % SIDE / 10) % 3) / 3 + 0.2F * ffp_rng_uniform(&rng);
+    char names[2][300];
+    snprintf(names[0], sizeof names[0], "%s", in_scratch("means.png"));
+    assert_true(ffp_image_write_png(&shown, names[0], NULL));
+    snprintf(names[1], sizeof names[1], "%s", in_scratch("means.jpg"));
+    assert_true(ffp_image_write_jpeg(&shown, 95, names[1], NULL));
+    for (int k = 0; k < 3; k++) { // the last roughly
+        int size[2];
+        const bool rough = k == 2;
+        assert_true(ffp_image_read_over_black(&whole, NULL, names[k > 0], NULL));
+        assert_true(ffp_image_read_reduced(&small, NULL, size, names[k > 0], false, SHRINK, rough, NULL));
+        assert_true(size[0] == SIDE && size[1] == SIDE && small.width == SIDE / SHRINK &&
+                    small.height == SIDE / SHRINK);
+        ffp_image_reduce(&whole, SHRINK);
+        double most = 0, sum = 0;
+        for (int i = 0; i < 3 * small.width * small.height; i++) {
+            const double off = fabs((double)(small.data[i] - whole.data[i]));
+            most = fmax(most, off), sum += off / (3.0 * small.width * small.height);
+        }
+        assert_true(rough ? sum < 0.03 : most < 1e-5);
+        ffp_image_free(&whole), ffp_image_free(&small);
+        // A number that does not divide its sides leaves a picture as it is.
+        assert_true(ffp_image_read_reduced(&small, NULL, size, names[k > 0], false, 5, rough, NULL));
+        assert_true(size[0] == SIDE && small.width == SIDE && small.height == SIDE);
+        ffp_image_free(&small);
+    }
+    ffp_image_free(&shown);
+}
+
 static void alpha_goes_over_black_encoded(void **state) {
     (void)state;
     FfpImage image = ffp_image_new(1, 1, 4), rgb, alpha;
@@ -418,6 +456,7 @@ int main(void) {
         cmocka_unit_test(raw_depth_comes_back),
         cmocka_unit_test(exr_comes_back),
         cmocka_unit_test(jpeg_is_read),
+        cmocka_unit_test(reduced_pictures_are_means),
         cmocka_unit_test(alpha_goes_over_black_encoded),
         cmocka_unit_test(damage_is_refused),
         cmocka_unit_test(bad_files_are_refused),

@@ -389,6 +389,56 @@ static void test_a_doubtful_stop_is_left_out(void **state) {
     ffp_capture_free(&capture);
 }
 
+static void enlarge(const char *from, const char *to, int times) {
+    FfpImage small, large;
+    char path[300];
+    snprintf(path, sizeof path, "%s", in_scratch(from));
+    assert_true(ffp_image_read(&small, path, FFP_COLOUR_ENCODED, NULL));
+    large = ffp_image_resize(&small, times * small.width, times * small.height);
+    assert_true(ffp_image_write_png(&large, in_scratch(to), NULL));
+    ffp_image_free(&small), ffp_image_free(&large);
+}
+
+// Photographs with many more pixels than capture and panel are reduced before: the same comes out.
+static void test_large_photographs(void **state) {
+    (void)state;
+    enum { TIMES = 6 };
+    FfpCapture capture, large;
+    Call *call = call_of("plain");
+    char from[64], to[64];
+    int known = 0, known_large = 0;
+    call->options.width = WIDTH / 2;
+    import(&capture, call);
+    assert_true(ffp_make_folders(in_scratch("large"), NULL));
+    for (int i = -2; i < ffp_gray_photographs(PANEL_WIDTH, PANEL_HEIGHT); i++) {
+        snprintf(from, sizeof from, i == -2 ? "black.png" : i == -1 ? "white.png" : "photos/%03d.png", i);
+        snprintf(to, sizeof to,
+                 i == -2   ? "large/black.png"
+                 : i == -1 ? "large/white.png"
+                           : "large/%03d.png",
+                 i);
+        enlarge(from, to, TIMES);
+    }
+    call = call_of("enlarged");
+    snprintf(call->black, sizeof call->black, "%s/large/black.png", scratch);
+    snprintf(call->white, sizeof call->white, "%s/large/white.png", scratch);
+    snprintf(call->codes, sizeof call->codes, "%s/large/[0-9]*.png", scratch);
+    call->options.width = WIDTH / 2;
+    call->options.camera.fit = FFP_PICTURES_SCALED;
+    import(&large, call);
+    const double off = positions_off(&capture.views[0], 0.5, &known),
+                 off_large = positions_off(&large.views[0], 0.5, &known_large);
+    printf("%d pixels, off by %.3f; enlarged %d, off by %.3f\n", known, off, known_large, off_large);
+    assert_true(known_large > 0.95 * known && off_large < 1.5 * off);
+    double sum = 0;
+    const size_t values = 3 * (size_t)capture.views[0].camera.width * (size_t)capture.views[0].camera.height;
+    for (size_t i = 0; i < values; i++)
+        sum += fabs((double)(capture.views[0].images[capture.white].data[i] -
+                             large.views[0].images[large.white].data[i]));
+    assert_true(sum < 0.004 * (double)values);
+    ffp_capture_free(&capture), ffp_capture_free(&large);
+}
+
 // Photographs of codes are kept for fits: none of one that the capture has, as its pattern or held out, and
 // none that its pixels cannot resolve.
 static void test_codes_for_fits(void **state) {
@@ -809,6 +859,7 @@ int main(void) {
         cmocka_unit_test(test_depth),
         cmocka_unit_test(test_views),
         cmocka_unit_test(test_a_doubtful_stop_is_left_out),
+        cmocka_unit_test(test_large_photographs),
         cmocka_unit_test(test_codes_for_fits),
         cmocka_unit_test(test_as_shown),
         cmocka_unit_test(test_outlines_are_no_disorder),
