@@ -172,6 +172,7 @@ const char *ffp_cli_import_option(const FfpError *err) {
         {"(turntable.angles)", "--turntable T"},
         {"(turntable.axis)", "--fit-axis"},
         {"(fit_response)", "--fit-response"},
+        {"(linear_images)", "--linear images"},
         {"(projector_image)", "--projector-image N"},
     };
     for (size_t i = 0; i < sizeof table / sizeof *table; i++)

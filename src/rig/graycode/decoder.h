@@ -20,11 +20,14 @@ typedef struct FfpGrayDecoder {
     unsigned char *checked;                // [h,w] lit well, and in the region: what checks are made on
     uint8_t *signal[2][FFP_GRAY_BITS_MAX]; // [h,w] ffp_gray_signal
     int *code[2];                          // [h,w] blocks; -1: not decoded
+    int missing[2];                        // finest bits from the first that is missing on
     int dropped[2];
     FfpGrayReport *report;
 } FfpGrayDecoder;
 
+// Its file; of a missing one that of its pair; NULL: both are missing. And whether it is there.
 const char *ffp_gray_photograph(const FfpGrayDecoder *d, int axis, int bit, int inverse);
+bool ffp_gray_has_photograph(const FfpGrayDecoder *d, int axis, int bit, int inverse);
 
 // At 1 / shrink of its size (0: as it is): mean of a file's channels as linear light, [h,w], released with
 // ffp_free; its luma where that is not NULL.

@@ -21,8 +21,10 @@ void ffp_gray_cache_free(FfpGrayCache *cache);
 // The photographs of one view, in the order in which `ffprocams patterns` shows the codes: columns, the
 // coarsest bit first, each pattern followed by its inverse; then rows likewise.
 typedef struct FfpGrayPhotographs {
-    int width, height;        // of the panel that showed them
-    const char *const *codes; // [ffp_gray_photographs(width, height)] files
+    int width, height; // of the panel that showed them
+    const char *const
+        *codes; // [ffp_gray_photographs(width, height)] files; NULL: missing. One of a pair is made of
+                // the other, black and white; without both this code and finer ones are not used
     const char *black, *white;
     int shrink;  // they are read at 1 / shrink of their size, which the map and `region` have; 0: as they are
     bool linear; // the files' numbers are linear light, and not sRGB

@@ -154,8 +154,18 @@ typedef struct PairReading {
 
 static void read_half(void *argument, int64_t k) {
     PairReading *r = argument;
+    r->ok[k] = true;
+    if (!ffp_gray_has_photograph(r->d, r->pair->axis, r->pair->bit, (int)k)) return;
     r->ok[k] = read_next(&r->pair->grey[k], r->d,
                          ffp_gray_photograph(r->d, r->pair->axis, r->pair->bit, (int)k), &r->errors[k]);
+}
+
+// What the pair's other photograph would be if it were there: they add up to black and white.
+static void complete_pair(const FfpGrayDecoder *d, Pair *pair) {
+    const int missing = pair->grey[0] ? 1 : 0;
+    const float *other = pair->grey[1 - missing];
+    float *grey = pair->grey[missing] = ffp_alloc(d->pixels, sizeof *grey);
+    for (size_t i = 0; i < d->pixels; i++) grey[i] = d->light[i] + 2 * d->black[i] - other[i];
 }
 
 // Both photographs side by side.
@@ -164,7 +174,9 @@ static bool read_pair(const FfpGrayDecoder *d, Pair *pair, FfpError *err) {
     ffp_parallel_for(2, 0, read_half, &r);
     const int failed = !r.ok[0] ? 0 : 1;
     if (!r.ok[failed] && err) *err = r.errors[failed];
-    return r.ok[0] && r.ok[1];
+    if (!r.ok[0] || !r.ok[1] || !ffp_gray_photograph(d, pair->axis, pair->bit, 0)) return false;
+    if (!pair->grey[0] || !pair->grey[1]) complete_pair(d, pair);
+    return true;
 }
 
 static double sum_of(const FfpGrayDecoder *d, const Pair *pair, size_t pixel) {
@@ -323,8 +335,17 @@ static bool read_bit(FfpGrayDecoder *d, int axis, int bit, double *sum, FfpError
 bool ffp_gray_read_signals(FfpGrayDecoder *d, FfpError *err) {
     for (int axis = 0; axis < 2; axis++) {
         double sum = 1;
-        for (int bit = 0; bit < d->bits[axis]; bit++)
+        for (int bit = 0; bit < d->bits[axis]; bit++) {
+            if (!ffp_gray_photograph(d, axis, bit, 0)) {
+                d->missing[axis] = d->bits[axis] - bit;
+                break;
+            }
             if (!read_bit(d, axis, bit, &sum, err)) return false;
+        }
+        if (d->missing[axis] == d->bits[axis])
+            return ffp_fail(err, FFP_ERROR_FILE, d->from->white,
+                            "no photograph of the coarsest code of %s, nor of its inverse, is beside it",
+                            axis ? "rows" : "columns");
         d->report->fine_sum += sum / 2;
     }
     return true;

@@ -47,11 +47,13 @@ static bool is_resolved(const FfpGrayDecoder *d, int axis, int bit) {
     }
     if ((double)told < RESOLVED * (double)lit) return false;
     const double here = (double)changes_of(d, axis, bit), before = (double)changes_of(d, axis, bit - 1);
-    return here < RESTLESS * (double)lit || here >= FINER * before;
+    // Without its inverse what a blurred bit shows depends on how bright its surroundings are.
+    const bool whole = ffp_gray_has_photograph(d, axis, bit, 0) && ffp_gray_has_photograph(d, axis, bit, 1);
+    return (whole && here < RESTLESS * (double)lit) || here >= FINER * before;
 }
 
 void ffp_gray_drop_fine_bits(FfpGrayDecoder *d, int axis) {
-    int bit = d->bits[axis] - 1;
+    int bit = d->bits[axis] - 1 - d->missing[axis];
     while (bit > 0 && !is_resolved(d, axis, bit)) bit--;
     d->dropped[axis] = d->report->dropped[axis] = d->bits[axis] - 1 - bit;
 }

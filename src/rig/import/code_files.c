@@ -9,11 +9,23 @@
 #define WHERE "gray_codes"
 #define PATTERN_BIT 5 // of the code that serves as the pattern: 32 stripes
 
+static bool all_have(const FfpShots *shots, int stops, int code) {
+    for (int stop = 0; stop < stops; stop++)
+        if (!shots->codes[stop * shots->n_codes + code]) return false;
+    return true;
+}
+
 // One code as the pattern that the network sees.
 static void add_pattern(FfpShots *shots, int stops, int width, int height, int axis) {
     const int bits[2] = {ffp_gray_code_bits(width), ffp_gray_code_bits(height)};
-    const int bit = bits[axis] > PATTERN_BIT ? PATTERN_BIT : bits[axis] - 1;
-    const int index = 2 * ((axis ? bits[0] : 0) + bit), pattern = shots->n_patterns++;
+    int index = -1;
+    for (int bit = bits[axis] > PATTERN_BIT ? PATTERN_BIT : bits[axis] - 1; bit >= 0 && index < 0; bit--)
+        for (int inverse = 0; inverse < 2 && index < 0; inverse++) {
+            const int code = 2 * ((axis ? bits[0] : 0) + bit) + inverse;
+            if (all_have(shots, stops, code)) index = code;
+        }
+    if (index < 0) return; // and an error says that there is no pattern
+    const int pattern = shots->n_patterns++;
     ffp_gray_code_name(width, index, shots->patterns[pattern].name);
     shots->patterns[pattern].code = index + 1;
     for (int stop = 0; stop < stops; stop++)
@@ -53,7 +65,7 @@ bool ffp_shots_find_codes(FfpShots *shots, const FfpShotSources *sources, const 
              ": each of %d, coarsest first, columns before rows, every one followed by its inverse",
              shots->n_codes / 2);
     const FfpFileSet set = {template,    calibration, names, shots->n_codes, "photographs of Gray codes",
-                            "Gray code", order};
+                            "Gray code", order,       true};
     if (!ffp_files_find(shots->codes, shots->arena, &set, err)) return false;
     if (shots->n_patterns == 2) add_pattern(shots, stops, width, height, axis);
     return true;

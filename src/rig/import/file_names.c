@@ -142,6 +142,31 @@ static bool find_files(glob_t *found, const FfpFileSet *set, const Blanks *blank
                      "no file matches (.JPG is not .jpg), or the folder cannot be read"));
 }
 
+// The last number in a file's name; -1: none.
+static int number_in(const char *path) {
+    const char *name = ffp_basename(path),
+               *end = strrchr(name, '.') ? strrchr(name, '.') : name + strlen(name);
+    while (end > name && !isdigit((unsigned char)end[-1])) end--;
+    const char *begin = end;
+    while (begin > name && isdigit((unsigned char)begin[-1])) begin--;
+    return end > begin && end - begin < 9 ? atoi(begin) : -1;
+}
+
+// A view's files, fewer than its names, in their places; false: their numbers do not tell these.
+static bool place_some(const char **paths, FfpArena *arena, const FfpFileSet *set, const Part *part,
+                       char *const *found, size_t n) {
+    const bool whole_view = set->gaps && part->count == set->n_names && part->stride == 1;
+    const int first = n > 0 ? number_in(found[0]) : -1, last = n > 0 ? number_in(found[n - 1]) : -1;
+    if (!whole_view || first < 0 || last - first + 1 > part->count || (int)n > part->count) return false;
+    const int apart = 2 * (int)n == part->count && last - first + 1 == (int)n ? 2 : 1;
+    for (size_t i = 0; i < n; i++) {
+        const int at = apart * (number_in(found[i]) - first);
+        if (at < 0 || at >= part->count || paths[part->at + at]) return false;
+        paths[part->at + at] = ffp_arena_text(arena, found[i]);
+    }
+    return true;
+}
+
 static bool match(const char **paths, FfpArena *arena, const FfpFileSet *set, const Blanks *blanks,
                   const Part *part, FfpError *err) {
     glob_t *found = ffp_alloc(1, sizeof *found);
@@ -157,8 +182,10 @@ static bool match(const char **paths, FfpArena *arena, const FfpFileSet *set, co
     }
     ffp_own(found, free_glob);
     qsort(found->gl_pathv, found->gl_pathc, sizeof *found->gl_pathv, compare_paths);
-    const bool ok = found->gl_pathc == (size_t)part->count || wrong_number(set, part, found->gl_pathc, err);
-    for (int i = 0; ok && i < part->count; i++)
+    const bool all = found->gl_pathc == (size_t)part->count,
+               ok = all || place_some(paths, arena, set, part, found->gl_pathv, found->gl_pathc) ||
+                    wrong_number(set, part, found->gl_pathc, err);
+    for (int i = 0; all && i < part->count; i++)
         paths[part->at + i * part->stride] = ffp_arena_text(arena, found->gl_pathv[i]);
     ffp_disown(found);
     free_glob(found);
@@ -181,6 +208,8 @@ static bool take(const char **paths, FfpArena *arena, const FfpFileSet *set, con
                  set->names[part->at % set->n_names]);
     else
         snprintf(what, sizeof what, "%s of view '%s'", set->kind, view);
+    FfpError missing = {0};
+    if (set->gaps && !ffp_photograph_check(part->path, what, &missing)) return true;
     if (!ffp_photograph_check(part->path, what, err)) return false;
     paths[part->at] = ffp_arena_text(arena, part->path);
     return true;
@@ -192,7 +221,7 @@ static bool has_wildcards(const char *template, const char *path) {
     return strchr(template, '*') || (strpbrk(template, "?[") && !ffp_photograph_check(path, "", &none));
 }
 
-bool ffp_files_find(const char **paths, FfpArena *arena, const FfpFileSet *set, FfpError *err) {
+static bool find_all(const char **paths, FfpArena *arena, const FfpFileSet *set, FfpError *err) {
     const int stops = set->calibration->n_stops, n = set->n_names;
     Part part = {.by_view = tells_view(set->template),
                  .by_name = set->names && strstr(set->template, "{pattern}")};
@@ -208,6 +237,19 @@ bool ffp_files_find(const char **paths, FfpArena *arena, const FfpFileSet *set, 
         if (!(has_wildcards(set->template, part.path) ? match(paths, arena, set, &blanks, &part, err)
                                                       : take(paths, arena, set, &part, err)))
             return false;
+    }
+    return true;
+}
+
+bool ffp_files_find(const char **paths, FfpArena *arena, const FfpFileSet *set, FfpError *err) {
+    if (!find_all(paths, arena, set, err)) return false;
+    for (int stop = 0; set->gaps && stop < set->calibration->n_stops; stop++) {
+        int there = 0;
+        for (int i = 0; i < set->n_names; i++) there += paths[stop * set->n_names + i] != NULL;
+        if (2 * there >= set->n_names) continue;
+        FfpFileSet whole = *set; // more than gaps: the error that names a file
+        whole.gaps = false;
+        return find_all(paths, arena, &whole, err);
     }
     return true;
 }

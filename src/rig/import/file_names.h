@@ -17,12 +17,15 @@ typedef struct FfpFileSet {
     const char *kind;  // for errors: "photographs"
     const char *name;  // and what a name is of: "pattern"
     const char *order; // and in which order they must be; "": as the names are
+    bool gaps;         // files may be missing: their paths are NULL
 } FfpFileSet;
 
-// The paths, [n_stops, n_names]; each is known to exist. Placeholders are filled in first: {view}, {pattern},
-// {index} (from 0), {number} (from 1) and {number:3} (with zeros). What they do not tell apart is given by *,
-// whose files are taken in natural order: all names of the first view, then of the second. ? and [...] are
-// wildcards, too, where no file is called so.
+// The paths, [n_stops, n_names]; each is known to exist, unless there may be gaps. Which of a view's files
+// that match * are missing then tells the last number in their names; those after the last number are the
+// last, and where there are half as many as names and no number is left out, every second one is missing.
+// Placeholders are filled in first: {view}, {pattern}, {index} (from 0), {number} (from 1) and {number:3}
+// (with zeros). What they do not tell apart is given by *, whose files are taken in natural order: all names
+// of the first view, then of the second. ? and [...] are wildcards, too, where no file is called so.
 bool ffp_files_find(const char **paths, FfpArena *arena, const FfpFileSet *set, FfpError *err);
 
 #endif

@@ -12,6 +12,13 @@
 #define CLIPPED_MAX 0.2   // of the light pixels, under white
 #define CODES_OFF_MAX 3.0 // pixels: median by which the codes may contradict the calibration
 
+static int count_missing(const FfpImporting *import, int stop) {
+    const int n = import->shots.n_codes;
+    int missing = 0;
+    for (int i = 0; i < n; i++) missing += !import->shots.codes[(ptrdiff_t)stop * n + i];
+    return missing;
+}
+
 // What a view's photographs of the codes are like.
 static void note_report(const FfpImporting *import, const FfpView *view, const FfpGrayReport *report,
                         const FfpCodesFit *fit) {
@@ -19,6 +26,9 @@ static void note_report(const FfpImporting *import, const FfpView *view, const F
              "distance from "
              "the camera's rays %.2f pixels of the projector",
              view->id, 100.0 * report->decoded / report->lit, fit->kept, fit->off);
+    const int missing = count_missing(import, (int)(view - import->capture.views));
+    if (missing > 0)
+        ffp_note("  %d of %d photographs of Gray codes are missing", missing, import->shots.n_codes);
     if (report->dropped[0] > 0 || report->dropped[1] > 0)
         ffp_note("  the finest %d codes of columns and %d of rows are too fine for the photographs",
                  report->dropped[0], report->dropped[1]);
@@ -60,7 +70,8 @@ static int shrink_by(const FfpImporting *import, int stop) {
                      sqrt((double)camera->width * camera->height / panel_pixels) / PANEL_LEFT));
 }
 
-static bool decode_view(FfpImporting *import, int stop, FfpError *err) {
+// Decodes a view's photographs, as linear light or not.
+static bool decode(FfpImporting *import, int stop, bool linear, FfpError *err) {
     const FfpShots *shots = &import->shots;
     FfpView *view = &import->capture.views[stop];
     const char *const *pictures = shots->pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
@@ -73,7 +84,7 @@ static bool decode_view(FfpImporting *import, int stop, FfpError *err) {
                                      .black = pictures[shots->black],
                                      .white = pictures[shots->white],
                                      .shrink = shrink,
-                                     .linear = import->settings->linear_images,
+                                     .linear = linear,
                                      .region = &region};
     FfpGrayReport report;
     const bool ok = ffp_gray_decode_view(&map, &report, &from, err) &&
@@ -81,6 +92,27 @@ static bool decode_view(FfpImporting *import, int stop, FfpError *err) {
     ffp_image_free(&map);
     ffp_image_free(&region);
     return ok;
+}
+
+// Where sRGB does not fit and linear light does, that is the error.
+static bool decode_view(FfpImporting *import, int stop, FfpError *err) {
+    FfpError error = {0}, other = {0};
+    if (decode(import, stop, import->settings->linear_images, &error)) return true;
+    const int missing = count_missing(import, stop), n = import->shots.n_codes;
+    if (missing > 0)
+        ffp_fail(err, error.code, NULL,
+                 "%s. %d of %d photographs of Gray codes were found: is the projector's "
+                 "size right?",
+                 error.text, n - missing, n);
+    else if (err)
+        *err = error;
+    if (import->settings->linear_images || error.code != FFP_ERROR_FILE || stop > 0) return false;
+    ffp_image_free(&import->capture.views[stop].correspondence);
+    if (!decode(import, stop, true, &other)) return false;
+    ffp_image_free(&import->capture.views[stop].correspondence);
+    return ffp_fail(err, FFP_ERROR_ARGUMENT, "linear_images",
+                    "the photographs hold linear light, not sRGB: read as such, those of Gray codes fit "
+                    "together; import them as linear images");
 }
 
 // A view whose photographs are at fault does without codes: its depth is matched. Other errors end the call.

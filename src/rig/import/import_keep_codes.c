@@ -37,6 +37,7 @@ static bool is_known(const FfpCapture *capture, const FfpPattern *code) {
 // The code with this number as the capture's last pattern, unless it has it already.
 static bool add_code(FfpImporting *import, int index) {
     FfpCapture *capture = &import->capture;
+    if (!import->shots.codes[index]) return false; // missing
     FfpPattern *code = &capture->patterns[capture->n_patterns];
     char name[32];
     if (capture->n_patterns == FFP_PATTERNS_MAX) return false;
@@ -68,7 +69,8 @@ static int choose(FfpImporting *import, int *chosen) {
     }
     for (int axis = 0; n < import->settings->codes && (bit[0] >= 0 || bit[1] >= 0); axis = 1 - axis) {
         while (bit[axis] >= 0) {
-            const int pair = (axis ? bits[0] : 0) + bit[axis]--, index = 2 * pair + taken[axis] % 2;
+            const int pair = (axis ? bits[0] : 0) + bit[axis]--, wanted = 2 * pair + taken[axis] % 2,
+                      index = import->shots.codes[wanted] ? wanted : wanted ^ 1;
             if (!add_code(import, index)) continue;
             chosen[n++] = index;
             taken[axis]++;
@@ -87,7 +89,7 @@ static bool load_view(FfpImporting *import, int stop, const int *chosen, int n, 
         paths[k] = import->shots.codes[(ptrdiff_t)stop * import->shots.n_codes + chosen[k]];
     const bool ok = ffp_importing_read_pictures(import, paths, n, stop, view->images + first, alphas, err);
     for (int k = 0; k < n; k++) {
-        if (ok && !alphas[k].data) ffp_mask_apply(&view->coverage, &view->images[first + k]);
+        if (ok && paths[k] && !alphas[k].data) ffp_mask_apply(&view->coverage, &view->images[first + k]);
         ffp_image_free(&alphas[k]);
     }
     return ok;

@@ -1,4 +1,5 @@
 // Import: patterns and photographs as linear light without lens distortion.
+#include <math.h>
 #include <string.h>
 #include "core/base/log.h"
 #include "core/patterns/patterns.h"
@@ -6,6 +7,7 @@
 #include "rig/import/import_steps.h"
 #include "rig/masks/contact_sheet.h"
 
+#define FEW_BITS (4095.5 / 65535)
 #define TOO_BRIGHT_MAX 0.001 // of the values
 
 FfpImage ffp_importing_code_pattern(const FfpOptics *panel, int index) {
@@ -71,6 +73,17 @@ static void note_developed(const FfpDeveloped *developed) {
                  developed->frames);
 }
 
+// 12-bit numbers in files of 16 bits leave the capture's 8 bits hardly any steps.
+static void note_too_dark(const FfpImporting *import) {
+    if (!import->settings->linear_images || !(import->brightest > 0 && import->brightest <= FEW_BITS)) return;
+    const double stops = floor(-log2(import->brightest));
+    if (import->settings->exposure < stops)
+        ffp_warning(
+            "no value of the photographs is above %.4f of full scale, as of 12 bits in files of 16: an "
+            "exposure of %.0f stops (--exposure) gives the capture's pictures their range",
+            import->brightest, stops);
+}
+
 static void note_too_bright(const FfpImporting *import) {
     const double share = (double)import->too_bright / (double)import->values;
     if (share > TOO_BRIGHT_MAX)
@@ -112,5 +125,6 @@ bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err) {
     ffp_task_end(&progress);
     if (ok) note_developed(&import->developed);
     if (ok) note_too_bright(import);
+    if (ok) note_too_dark(import);
     return ok && check_masks(import, err);
 }

@@ -11,10 +11,14 @@ static void expose(FfpImporting *import, FfpImage *image) {
     const real factor = (real)exp2(import->settings->exposure);
     const ptrdiff_t count = (ptrdiff_t)image->width * image->height * 3;
     int64_t too_bright = 0;
+    double brightest = 0;
     for (ptrdiff_t i = 0; i < count; i++) {
+        brightest = fmax(brightest, (double)image->data[i]);
         image->data[i] *= factor;
         too_bright += image->data[i] > 1.002F;
     }
+#pragma omp critical(ffp_import_brightest)
+    import->brightest = fmax(import->brightest, brightest);
 #pragma omp atomic
     import->too_bright += too_bright;
 #pragma omp atomic

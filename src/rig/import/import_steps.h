@@ -24,6 +24,7 @@ typedef struct FfpImporting {
     FfpEmptyStage *stages;  // load_pixels: [views] the empty stage, where it was photographed; NULL: was not
     FfpImage *thumbs;       // load_pixels: [views] small photographs under white, not masked
     int64_t values;         // load_pixels: of the photographs
+    double brightest;       // load_pixels: of the photographs' values, before their exposure
     int64_t too_bright;     // load_pixels: those that are cut off
     FfpDeveloped developed; // load_pixels: photographs and films by other programs
     FfpResponse response;   // find_response, where it is asked for

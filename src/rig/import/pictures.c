@@ -74,7 +74,7 @@ static bool find_group(FfpShots *shots, const Group *group, const FfpCalibration
     const char **names = ffp_arena_alloc(shots->arena, (size_t)n, sizeof *names),
                **paths = ffp_arena_alloc(shots->arena, (size_t)all, sizeof *paths);
     for (int i = 0; i < n; i++) names[i] = shots->patterns[group->patterns[i]].name;
-    const FfpFileSet set = {group->template, calibration, names, n, "photographs", "pattern", ""};
+    const FfpFileSet set = {group->template, calibration, names, n, "photographs", "pattern", "", false};
     if (!ffp_files_find(paths, shots->arena, &set, err)) return false;
     for (int i = 0; i < all; i++)
         if (!set_picture(shots, calibration, i / n, group->patterns[i % n], paths[i], err)) return false;
@@ -96,7 +96,7 @@ static const char **find_shown(FfpShots *shots, const char *template, const FfpC
     for (int i = 0; i < shown->n; i++) names[i] = shown->patterns[i].name;
     if (shown->n_codes > 0)
         snprintf(order, sizeof order, " for all that was shown, or %d without the Gray codes", plain);
-    FfpFileSet set = {template, calibration, names, shown->n, "photographs", "pattern", order};
+    FfpFileSet set = {template, calibration, names, shown->n, "photographs", "pattern", order, false};
     *n = shown->n;
     if (ffp_files_find(paths, shots->arena, &set, err)) return paths;
     if (shown->n_codes == 0) return NULL;
@@ -193,7 +193,7 @@ static bool find_masks(FfpShots *shots, const char *template, const FfpCalibrati
     if (!template || template[0] == 0)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "mask_files", "no file given");
     shots->masks = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops, sizeof *shots->masks);
-    const FfpFileSet set = {template, calibration, NULL, 1, "masks", "", ""};
+    const FfpFileSet set = {template, calibration, NULL, 1, "masks", "", "", false};
     return ffp_files_find(shots->masks, shots->arena, &set, err);
 }
 
@@ -223,7 +223,8 @@ static bool find_empty_files(const char **paths, FfpShots *shots, const FfpShotF
                             n,
                             "photographs of the empty stage",
                             "pattern",
-                            ""};
+                            "",
+                            false};
     if (!ffp_files_find(paths, shots->arena, &set, err)) return false;
     for (int i = n; of_all && i < stops * n; i++) paths[i] = paths[i - n];
     return true;

@@ -389,6 +389,70 @@ static void test_a_doubtful_stop_is_left_out(void **state) {
     ffp_capture_free(&capture);
 }
 
+static void shell(const char *command) {
+    char text[512];
+    snprintf(text, sizeof text, "cd '%s' && %s", scratch, command);
+    assert_int_equal(system(text), 0);
+}
+
+// Missing photographs are told by the numbers in their names: one of a pair can be done without, and where
+// both are missing the finer codes are; and so are all inverses.
+static void test_missing_photographs(void **state) {
+    (void)state;
+    static const char *const cases[3] = {
+        "mkdir gaps0 && cp photos/*.png gaps0 && rm gaps0/003.png gaps0/008.png gaps0/017.png",
+        "mkdir gaps1 && cp photos/*.png gaps1 && rm gaps1/02[4567].png",
+        "mkdir gaps2 && n=0; for i in photos/*[02468].png; do cp $i gaps2/c$((100 + n)).png; n=$((n + 1)); "
+        "done"};
+    for (int k = 0; k < 3; k++) {
+        FfpCapture capture;
+        char folder[16];
+        int known = 0;
+        snprintf(folder, sizeof folder, "without%d", k);
+        Call *call = call_of(folder);
+        shell(cases[k]);
+        snprintf(call->codes, sizeof call->codes, "%s/gaps%d/*.png", scratch, k);
+        import(&capture, call);
+        const double off = positions_off(&capture.views[0], 0.5, &known);
+        printf("case %d: %d pixels, off by %.3f\n", k, known, off);
+        assert_true(known > 8500 && off < 0.1);
+        ffp_capture_free(&capture);
+    }
+    Call *call = call_of("without3");
+    shell("mkdir gaps3 && cp photos/*[05].png gaps3");
+    snprintf(call->codes, sizeof call->codes, "%s/gaps3/*.png", scratch);
+    assert_false(ffp_import(&call->options, &err));
+    assert_non_null(strstr(err.text, "6 files match, but a view has 28 photographs of Gray codes"));
+}
+
+// Photographs that hold linear light are said to.
+static void test_linear_photographs(void **state) {
+    (void)state;
+    Call *call = call_of("as_srgb");
+    assert_true(ffp_make_folders(in_scratch("linear"), NULL));
+    for (int i = -2; i < ffp_gray_photographs(PANEL_WIDTH, PANEL_HEIGHT); i++) {
+        FfpImage image;
+        char from[64], to[300];
+        snprintf(from, sizeof from, i == -2 ? "black.png" : i == -1 ? "white.png" : "photos/%03d.png", i);
+        snprintf(to, sizeof to, "%s", in_scratch(from));
+        assert_true(ffp_image_read_over_black(&image, NULL, to, NULL));
+        // A sixteenth, as 12 bits are in files of 16.
+        for (int k = 0; k < 3 * image.width * image.height; k++) image.data[k] /= 16;
+        snprintf(from, sizeof from,
+                 i == -2   ? "linear/black.png"
+                 : i == -1 ? "linear/white.png"
+                           : "linear/%03d.png",
+                 i);
+        assert_true(ffp_image_write_png(&image, in_scratch(from), NULL));
+        ffp_image_free(&image);
+    }
+    snprintf(call->black, sizeof call->black, "%s/linear/black.png", scratch);
+    snprintf(call->white, sizeof call->white, "%s/linear/white.png", scratch);
+    snprintf(call->codes, sizeof call->codes, "%s/linear/[0-9]*.png", scratch);
+    assert_false(ffp_import(&call->options, &err));
+    assert_non_null(strstr(err.text, "hold linear light, not sRGB"));
+}
+
 static void enlarge(const char *from, const char *to, int times) {
     FfpImage small, large;
     char path[300];
@@ -734,7 +798,7 @@ static void two_stops_named(Call *call) {
 #define STOPS "mkdir 000 && cp photos/*.png black.png white.png 000/ && cp -r 000 030"
 
 static const Fault faults[] = {
-    {"rm photos/005.png", NULL, {"27 files match, but a view has 28 photographs", "photos/*.png"}},
+    {"rm photos/0[01]?.png", NULL, {"8 files match, but a view has 28 photographs", "photos/*.png"}},
     {"cp photos/005.png photos/005b.png", NULL, {"29 files match, but a view has 28 photographs"}},
     {"rm -r photos",
      NULL,
@@ -744,7 +808,7 @@ static const Fault faults[] = {
     {"true", one_file, {"names one file for 28 Gray codes: use {pattern} or *", "005.png"}},
     {"mkdir named", by_name, {"view '000' under Gray code 'gray_x_00'", "named/gray_x_00.png"}},
     {STOPS, two_stops_alike, {"names one file for 2 views: use {view}", "{pattern}.png"}},
-    {STOPS " && rm 030/004.png", two_stops_named, {"27 files match", "030/[0-9]*.png"}},
+    {STOPS " && rm 030/0[01]?.png", two_stops_named, {"8 files match", "030/[0-9]*.png"}},
     {STOPS " && rm -r 030", two_stops_named, {"no such file", "030/black.png"}},
     // Numbers.
     {SWAP("photos/004.png", "photos/010.png") " && " SWAP("photos/005.png", "photos/011.png"),
@@ -791,7 +855,7 @@ static const Fault faults[] = {
      {"columns beyond the panel's 80", "has another size"}},
     {"sed 's/prjW: 120/prjW: 260/' ../rig.yml > other.yml",
      other_rig,
-     {"28 files match, but a view has 32 photographs"}},
+     {"28 of 32 photographs of Gray codes were found: is the projector's size right?"}},
     // Light.
     {"cp ../spare/dim.png photos/008.png", NULL, {"darker than black and white", "photos/008.png"}},
     {"cp ../spare/bright.png photos/009.png", NULL, {"brighter than black and white", "photos/009.png"}},
@@ -859,6 +923,8 @@ int main(void) {
         cmocka_unit_test(test_depth),
         cmocka_unit_test(test_views),
         cmocka_unit_test(test_a_doubtful_stop_is_left_out),
+        cmocka_unit_test(test_missing_photographs),
+        cmocka_unit_test(test_linear_photographs),
         cmocka_unit_test(test_large_photographs),
         cmocka_unit_test(test_codes_for_fits),
         cmocka_unit_test(test_as_shown),
