@@ -25,7 +25,7 @@ typedef struct FfpGrayDecoder {
     FfpGrayReport *report;
 } FfpGrayDecoder;
 
-// Its file; of a missing one that of its pair; NULL: both are missing. And whether it is there.
+// Its file; of a missing one that of its pair; NULL: both are missing. And whether it exists.
 const char *ffp_gray_photograph(const FfpGrayDecoder *d, int axis, int bit, int inverse);
 bool ffp_gray_has_photograph(const FfpGrayDecoder *d, int axis, int bit, int inverse);
 

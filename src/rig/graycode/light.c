@@ -160,7 +160,7 @@ static void read_half(void *argument, int64_t k) {
                          ffp_gray_photograph(r->d, r->pair->axis, r->pair->bit, (int)k), &r->errors[k]);
 }
 
-// What the pair's other photograph would be if it were there: they add up to black and white.
+// What the pair's other photograph would be if it existed: they add up to black and white.
 static void complete_pair(const FfpGrayDecoder *d, Pair *pair) {
     const int missing = pair->grey[0] ? 1 : 0;
     const float *other = pair->grey[1 - missing];
