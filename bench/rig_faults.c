@@ -15,7 +15,10 @@
 
 enum { VIEW = 3, OTHER = 5 };
 
-static char said[4096]; // the error and the notes of the last check
+static char said[4096];   // what the last check found
+static FfpFinding *items; // the same, [count]
+static int count;
+static bool sound; // nothing was refused
 
 static FfpView *view_of(const FfpCapture *c, int v) {
     return &c->views[v];
@@ -342,97 +345,103 @@ static const struct Fault {
     const char *name;
     void (*put)(FfpCapture *c);
     Kind kind;
-    const char *told, *view; // what the message has to say; NULL: no view of its own
+    FfpRuleId rule;   // by which it is to be named
+    const char *view; // its end; NULL: no view of its own
 } faults[] = {
-    {"camera turned away", camera_behind, REFUSED, "behind the camera", "135"},
-    {"projector turned away", projector_behind, REFUSED, "behind the projector", "135"},
-    {"camera inside the object", camera_inside, REFUSED, "camera is inside", "135"},
-    {"projector inside the object", projector_inside, REFUSED, "projector is inside", "135"},
-    {"cameras' positions in mm", cameras_in_millimetres, REFUSED, "unit of lengths", NULL},
-    {"projectors' positions in mm", projectors_in_millimetres, REFUSED, "unit of lengths", NULL},
-    {"cameras' positions in km", cameras_in_metres, REFUSED, "unit of lengths", NULL},
-    {"camera poses inverted", cameras_inverted, REFUSED, "R and T", NULL},
-    {"projector poses inverted", projectors_inverted, REFUSED, "R and T", NULL},
-    {"OpenGL's axes", opengl_axes, REFUSED, "OpenGL", NULL},
-    {"camera calibrated at half the size", camera_of_half_size, REFUSED, "twice the camera's", NULL},
-    {"camera calibrated at twice the size", camera_of_twice_the_size, REFUSED, "half the camera's", NULL},
-    {"projector calibrated at half the size", projector_of_half_size, REFUSED, "twice the projector's", NULL},
-    {"projector calibrated at twice the size", projector_of_twice_the_size, REFUSED, "half the projector's",
+    {"camera turned away", camera_behind, REFUSED, FFP_RULE_DEVICE_BEHIND, "135"},
+    {"projector turned away", projector_behind, REFUSED, FFP_RULE_DEVICE_BEHIND, "135"},
+    {"camera inside the object", camera_inside, REFUSED, FFP_RULE_DEVICE_INSIDE, "135"},
+    {"projector inside the object", projector_inside, REFUSED, FFP_RULE_DEVICE_INSIDE, "135"},
+    {"cameras' positions in mm", cameras_in_millimetres, REFUSED, FFP_RULE_DEVICE_FAR, NULL},
+    {"projectors' positions in mm", projectors_in_millimetres, REFUSED, FFP_RULE_DEVICE_FAR, NULL},
+    {"cameras' positions in km", cameras_in_metres, REFUSED, FFP_RULE_DEVICE_INSIDE, NULL},
+    {"camera poses inverted", cameras_inverted, REFUSED, FFP_RULE_DEVICE_BEHIND, NULL},
+    {"projector poses inverted", projectors_inverted, REFUSED, FFP_RULE_PROJECTOR_INVERTED, NULL},
+    {"OpenGL's axes", opengl_axes, REFUSED, FFP_RULE_AXES, NULL},
+    {"camera calibrated at half the size", camera_of_half_size, REFUSED, FFP_RULE_CAMERA_SIZE, NULL},
+    {"camera calibrated at twice the size", camera_of_twice_the_size, REFUSED, FFP_RULE_CAMERA_SIZE, NULL},
+    {"projector calibrated at half the size", projector_of_half_size, REFUSED, FFP_RULE_PROJECTOR_SIZE, NULL},
+    {"projector calibrated at twice the size", projector_of_twice_the_size, REFUSED, FFP_RULE_PROJECTOR_SIZE,
      NULL},
-    {"one stop's angle off by 45 degrees", one_stop_wrong, NOTED, "contradicts the others", "135"},
-    {"every step 7 degrees too wide", steps_too_wide, NOTED, "contradict the other views", NULL},
-    {"one view's projector moved by 40 degrees", one_projector_moved, REFUSED,
-     "where this view's projector is", "135"},
-    {"axis off by a third of the radius", axis_off, NOTED, "contradict the other views", NULL},
-    {"one view upside down (turned by 180 degrees)", upside_down, REFUSED, "180 degrees", "135"},
-    {"one view turned left", turned_left, REFUSED, "to the left", "135"},
-    {"one view turned right", turned_right, REFUSED, "to the right", "135"},
-    {"one view mirrored", mirrored, REFUSED, "mirrored left to right", "135"},
-    {"one view mirrored upside down", flipped, REFUSED, "mirrored upside down", "135"},
-    {"two views exchanged", exchanged, REFUSED, "exchanged", "135"},
-    {"two neighbours exchanged", neighbours_exchanged, REFUSED, "exchanged", "135"},
-    {"turntable in the other direction", reversed_turntable, REFUSED, "sign of its angles", NULL},
-    {"black and white exchanged", black_and_white, REFUSED, "all_black and all_white are exchanged", NULL},
-    {"black and white exchanged in one view", black_and_white_once, REFUSED,
-     "all_black and all_white are exchanged", "135"},
-    {"white and pattern exchanged", white_and_active, REFUSED, "lollipop_0 and all_white are exchanged",
-     NULL},
-    {"white and pattern exchanged in one view", white_and_active_once, REFUSED,
-     "lollipop_0 and all_white are exchanged", "135"},
-    {"black and pattern exchanged", black_and_active, REFUSED, "all_black and lollipop_0 are exchanged",
-     NULL},
-    {"two views' photographs of the pattern exchanged", active_of_another_view, REFUSED, "they are exchanged",
+    {"one stop's angle off by 45 degrees", one_stop_wrong, NOTED, FFP_RULE_NOTE_VIEW_CONTRADICTS, "135"},
+    {"every step 7 degrees too wide", steps_too_wide, NOTED, FFP_RULE_NOTE_VIEWS_CONTRADICT, NULL},
+    {"one view's projector moved by 40 degrees", one_projector_moved, REFUSED, FFP_RULE_PATTERN_NOT_THERE,
      "135"},
-    {"white photographed twice, the pattern not", active_taken_twice, REFUSED, "one and the same", "135"},
-    {"one stop photographed twice", stop_taken_twice, NOTED, "take it again", "135"},
-    {"projector off at one stop", projector_off, REFUSED, "the projector was dark", "135"},
-    {"a lamp on at one stop", lamp_on, NOTED, "was a lamp on", "135"},
-    {"overexposed by two stops", overexposed, NOTED, "shorten the exposure", NULL},
-    {"underexposed by six stops", underexposed, NOTED, "expose longer", NULL},
-    {"a room too bright", bright_room, NOTED, "darken the room", NULL},
-    {"one mask inverted", mask_inverted, REFUSED, "inverted", "135"},
-    {"one mask empty", mask_empty, REFUSED, "mask is empty", "135"},
+    {"axis off by a third of the radius", axis_off, NOTED, FFP_RULE_NOTE_VIEWS_CONTRADICT, NULL},
+    {"one view upside down (turned by 180 degrees)", upside_down, REFUSED, FFP_RULE_VIEW_TURNED, "135"},
+    {"one view turned left", turned_left, REFUSED, FFP_RULE_VIEW_TURNED, "135"},
+    {"one view turned right", turned_right, REFUSED, FFP_RULE_VIEW_TURNED, "135"},
+    {"one view mirrored", mirrored, REFUSED, FFP_RULE_VIEW_TURNED, "135"},
+    {"one view mirrored upside down", flipped, REFUSED, FFP_RULE_VIEW_TURNED, "135"},
+    {"two views exchanged", exchanged, REFUSED, FFP_RULE_VIEWS_EXCHANGED, "135"},
+    {"two neighbours exchanged", neighbours_exchanged, REFUSED, FFP_RULE_VIEWS_EXCHANGED, "135"},
+    {"turntable in the other direction", reversed_turntable, REFUSED, FFP_RULE_OTHER_DIRECTION, NULL},
+    {"black and white exchanged", black_and_white, REFUSED, FFP_RULE_EXCHANGED, NULL},
+    {"black and white exchanged in one view", black_and_white_once, REFUSED, FFP_RULE_EXCHANGED, "135"},
+    {"white and pattern exchanged", white_and_active, REFUSED, FFP_RULE_EXCHANGED, NULL},
+    {"white and pattern exchanged in one view", white_and_active_once, REFUSED, FFP_RULE_EXCHANGED, "135"},
+    {"black and pattern exchanged", black_and_active, REFUSED, FFP_RULE_EXCHANGED, NULL},
+    {"two views' photographs of the pattern exchanged", active_of_another_view, REFUSED,
+     FFP_RULE_PATTERN_EXCHANGED, "135"},
+    {"white photographed twice, the pattern not", active_taken_twice, REFUSED, FFP_RULE_SAME_PHOTOGRAPH,
+     "135"},
+    {"one stop photographed twice", stop_taken_twice, NOTED, FFP_RULE_SAME_VIEW, "135"},
+    {"projector off at one stop", projector_off, REFUSED, FFP_RULE_PROJECTOR_DARK, "135"},
+    {"a lamp on at one stop", lamp_on, NOTED, FFP_RULE_LAMP, "135"},
+    {"overexposed by two stops", overexposed, NOTED, FFP_RULE_NOTE_CLIPPED, NULL},
+    {"underexposed by six stops", underexposed, NOTED, FFP_RULE_NOTE_UNDEREXPOSED, NULL},
+    {"a room too bright", bright_room, NOTED, FFP_RULE_BRIGHT_ROOM, NULL},
+    {"one mask inverted", mask_inverted, REFUSED, FFP_RULE_MASK_INVERTED, "135"},
+    {"one mask empty", mask_empty, REFUSED, FFP_RULE_MASK_EMPTY, "135"},
     {"one view with the mask of another, a quarter turn away", mask_of_another_view, NOTED,
-     "contradicts the others", "135"},
-    {"red and blue exchanged in all photographs", channels_reversed, REFUSED, "red and blue exchanged", NULL},
-    {"pattern's file mirrored", pattern_mirrored, REFUSED, "mirrored left to right", NULL},
-    {"pattern's file upside down", pattern_flipped, REFUSED, "mirrored upside down", NULL},
-    {"pattern's file turned by 180 degrees", pattern_turned, REFUSED, "mirrored both ways", NULL},
-    {"files of two patterns exchanged", another_pattern, REFUSED, "show lollipop_", NULL},
-    {"a pattern that was never shown", unknown_pattern, NOTED, "no better than chance", NULL},
+     FFP_RULE_NOTE_VIEW_CONTRADICTS, "135"},
+    {"red and blue exchanged in all photographs", channels_reversed, REFUSED, FFP_RULE_RED_AND_BLUE, NULL},
+    {"pattern's file mirrored", pattern_mirrored, REFUSED, FFP_RULE_PATTERN_MIRRORED, NULL},
+    {"pattern's file upside down", pattern_flipped, REFUSED, FFP_RULE_PATTERN_MIRRORED, NULL},
+    {"pattern's file turned by 180 degrees", pattern_turned, REFUSED, FFP_RULE_PATTERN_MIRRORED, NULL},
+    {"files of two patterns exchanged", another_pattern, REFUSED, FFP_RULE_OTHER_PATTERN, NULL},
+    {"a pattern that was never shown", unknown_pattern, NOTED, FFP_RULE_NOTE_CHANCE, NULL},
 };
 enum { FAULTS = sizeof faults / sizeof *faults };
 
 // --- Looking. ---
 
-static void log_text(void *user, FfpLogLevel level, const char *text) {
-    (void)user;
-    (void)level;
-    const size_t n = strlen(said);
-    snprintf(said + n, sizeof said - n, "%s; ", text);
-}
-
 static bool check(void *capture, FfpError *err) {
-    return ffp_rig_suspect(capture, err);
+    FfpFindings found = {0};
+    ffp_rig_faults(&found, capture);
+    items = ffp_findings_packed(&found);
+    count = found.count;
+    (void)err;
+    sound = !ffp_findings_fault(&found);
+    for (int i = 0; i < count; i++) {
+        const size_t n = strlen(said);
+        snprintf(said + n, sizeof said - n, "%s%s%s (%s); ", items[i].text, items[i].advice ? ": " : "",
+                 items[i].advice ? items[i].advice : "", items[i].view ? items[i].view : "all");
+    }
+    ffp_findings_free(&found);
+    return true; // what was found outlives the call
 }
 
-// Whether nothing was refused; `said` has the error or the notes.
+// Whether nothing was refused; `said`, `items` and `count` have what was found.
 static bool look(FfpContext *context, FfpCapture *capture, Moment *took) {
     FfpError err = {0};
+    ffp_free(items), items = NULL, count = 0;
     said[0] = 0;
     const Moment began = moment_now();
-    const bool passed = ffp_call_run(context, check, capture, &err);
+    const bool passed = ffp_call_run(context, check, capture, &err) && sound;
     const Moment ended = moment_now();
     *took = (Moment){ended.processor - began.processor, ended.wall - began.wall};
-    const size_t n = strlen(said);
-    if (!passed) snprintf(said + n, sizeof said - n, "%s", err.text);
     return passed;
 }
 
-// `told` in what was said; of refusals the view in front.
+// By its rule, and the view.
 static bool is_named(const struct Fault *fault, bool passed) {
-    return passed == (fault->kind == NOTED) && strstr(said, fault->told) &&
-           (!fault->view || strstr(said, fault->view));
+    bool named = false;
+    for (int i = 0; i < count; i++)
+        named = named || (strcmp(items[i].code, ffp_rule(fault->rule)->code) == 0 &&
+                          (!fault->view || strstr(items[i].view ? items[i].view : "", fault->view) ||
+                           strstr(items[i].other ? items[i].other : "", fault->view)));
+    return named && passed == (fault->kind == NOTED);
 }
 
 static int try_faults(FfpContext *context, const char *path) {
@@ -486,7 +495,6 @@ static FfpSceneSpec scene_of(int64_t index) {
 
 int main(int argc, char **argv) {
     FfpContextSettings settings = ffp_context_defaults();
-    settings.log = log_text;
     FfpContext *context = ffp_context_new(&settings, NULL);
     const long scenes = argc > 2 ? atol(argv[2]) : 0;
     int wrong = argc > 1 && context ? try_faults(context, argv[1]) : 1;

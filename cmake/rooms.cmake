@@ -47,7 +47,7 @@ ffp_wing(rig) # from a bare projector and a camera to a capture
 # what can be wrong, in words: the rules, and how a finding is told
 ffp_room(findings DEPS base)
 # photographs of Gray codes into positions on the projector's panel
-ffp_room(graycode DEPS patterns image numerics base)
+ffp_room(graycode DEPS findings patterns image numerics base)
 # calibrations and turntables as other tools write them
 ffp_room(calibration DEPS capture base LIBS PkgConfig::YAML PkgConfig::EXPAT PkgConfig::JANSSON
          READERS calibration calibration_parts colmap document document_parts lens matrix nepmap opencv procams turntable xml yaml)

@@ -67,7 +67,6 @@ int ffp_exif_orientation(const unsigned char *bytes, size_t size);
 // Rotates or mirrors a picture as the tag says, into new memory, and likewise a size given by a file.
 void ffp_orient(FfpImage *image, int orientation);
 void ffp_orient_size(int *width, int *height, int orientation);
-const char *ffp_orientation_words(int orientation); // e.g. "turned by 180 degrees"
 
 // Refuses a side of 0 or above FFP_IMAGE_SIDE_MAX.
 bool ffp_check_sides(long long width, long long height, const char *path, FfpError *err);

@@ -74,6 +74,9 @@ bool ffp_size_check(const FfpSize *size, int width, int height, const char *path
 
 // Whether a name has the extension of a format above: for finding the pictures among a folder's files.
 bool ffp_image_has_ending(const char *name);
+// The orientation tag of a JPEG or TIFF, 1 to 8; 1: there is none, or the file cannot be read.
+int ffp_image_orientation(const char *path);
+const char *ffp_orientation_words(int orientation); // "turned by 180 degrees"; 1: ""
 // Only the size, after applying the orientation tag, without decoding: for checks before memory is allocated.
 bool ffp_image_read_size(int *width, int *height, const char *path, FfpError *err);
 

@@ -316,6 +316,10 @@ bool ffp_photograph_read_size(int *width, int *height, const char *path, FfpErro
     return nothing_made(&source, said, err);
 }
 
+bool ffp_photograph_is_raw(const char *name) {
+    return has_one_of(name, raw_endings);
+}
+
 bool ffp_photograph_has_ending(const char *name) {
     return has_one_of(name, raw_endings) || has_one_of(name, film_endings) || ffp_image_has_ending(name);
 }

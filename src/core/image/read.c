@@ -1,4 +1,5 @@
 // Reading an image file: take it into memory, see what it is, hand it to its codec.
+#define _GNU_SOURCE // memmem
 #include <string.h>
 #include <strings.h>
 #include "core/base/file.h"
@@ -76,6 +77,23 @@ static bool decode(FfpDecoded *out, const char *path, bool raw, const FfpSize *s
         return false;
     }
     return ok;
+}
+
+int ffp_image_orientation(const char *path) {
+    enum { HEAD = 1 << 18 }; // a JPEG's tags come first
+    static const char mark[6] = "Exif\0";
+    FfpError none = {0};
+    FfpBytes file;
+    int orientation = 1;
+    if (!read_bytes(&file, path, &none)) return 1;
+    if (ffp_tiff_is(&file)) orientation = ffp_exif_orientation(file.data, file.size);
+    if (ffp_jpeg_is(&file)) {
+        const size_t head = file.size < HEAD ? file.size : HEAD;
+        const unsigned char *at = memmem(file.data, head, mark, sizeof mark);
+        if (at) orientation = ffp_exif_orientation(at + 6, (size_t)(file.data + file.size - at) - 6);
+    }
+    free_bytes(&file);
+    return orientation;
 }
 
 // Premultiplied to straight alpha; where alpha is 0 the colour stays as it is.

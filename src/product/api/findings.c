@@ -19,8 +19,7 @@ static bool work(void *argument, FfpError *err) {
     Call *call = argument;
     FfpFindings found = {0};
     (void)err;
-    ffp_rig_faults(&found, call->capture);
-    ffp_rig_checks(&found, call->capture, &call->capture->views[0].camera);
+    ffp_rig_look(&found, call->capture, &call->capture->views[0].camera);
     call->out = ffp_findings_packed(&found);
     call->count = found.count;
     ffp_findings_free(&found);

@@ -135,7 +135,7 @@ void ffp_print_capture(FILE *out, const FfpLooked *looked, FfpFindings *found) {
     if (looked->reduced)
         fprintf(out, "looked at    photographs reduced to %d x %d\n", seen->views[0].camera.width,
                 seen->views[0].camera.height);
-    ffp_rig_checks(found, seen, &capture->views[0].camera);
+    ffp_rig_look(found, seen, &capture->views[0].camera);
     fputs("checks\n", out);
     ffp_findings_page(out, found->items, found->count);
 }

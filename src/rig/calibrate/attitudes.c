@@ -4,8 +4,10 @@
 #include "core/base/alloc.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/image/photograph.h"
 #include "rig/calibrate/calibrate.h"
 #include "rig/calibrate/notes.h"
+#include "rig/findings/tell.h"
 #include "rig/graycode/graycode.h"
 
 // Text without the path to the attitude's folder, whose name stays.
@@ -28,13 +30,16 @@ static bool as_problem(FfpAttitude *a, const FfpShotFolder *folder, FfpError *er
     return false;
 }
 
-static bool settle_size(FfpRigFit *fit, const FfpImage *white, const char *name, FfpError *err) {
-    FfpCvDevice *camera = &fit->devices[0];
-    if (camera->width == 0) camera->width = white->width, camera->height = white->height;
-    return (camera->width == white->width && camera->height == white->height) ||
-           ffp_fail(err, FFP_ERROR_FILE, name,
-                    "the photographs have %d x %d pixels, but those of other attitudes have %d x %d",
-                    white->width, white->height, camera->width, camera->height);
+// The size that most folders' photographs have counts; those of another are left out.
+static void settle_size(FfpRigFit *fit, FfpAttitude *a, const FfpImage *white) {
+    const FfpCvDevice *camera = &fit->devices[0];
+    char usual[40];
+    FfpError why = {0};
+    if (camera->width == white->width && camera->height == white->height) return;
+    snprintf(usual, sizeof usual, "%d x %d", camera->width, camera->height);
+    ffp_fail_by(FFP_RULE_TURNED_PICTURES, &(FfpFacts){.x = white->width, .y = white->height, .a = usual},
+                NULL, &why);
+    snprintf(a->problem, sizeof a->problem, "%s", why.text);
 }
 
 static bool read_codes(const FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *folder,
@@ -72,6 +77,7 @@ static bool read_attitude(FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *f
         .width = fit->devices[1].width, .height = fit->devices[1].height, .cache = &cache};
     FfpError error = {0};
     a->name = folder->name;
+    if (a->problem[0]) return true;
     if (folder->problem) {
         snprintf(a->problem, sizeof a->problem, "%s", folder->problem);
         return true;
@@ -79,7 +85,8 @@ static bool read_attitude(FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *f
     if (!ffp_gray_find_plain(&photographs, folder->files, folder->n_files, &error))
         return as_problem(a, folder, &error, err);
     FfpImage white = take_white(&cache);
-    bool ok = settle_size(fit, &white, folder->name, err) && ffp_board_find(&fit->board, &white, a, err);
+    settle_size(fit, a, &white);
+    bool ok = a->problem[0] || ffp_board_find(&fit->board, &white, a, err);
     if (ok && !a->problem[0]) ok = read_codes(fit, a, folder, &photographs, &white, err);
     ffp_gray_cache_free(&cache);
     if (ok && a->n == 0 && !seen->data) {
@@ -103,12 +110,75 @@ static bool check_seen(const FfpRigFit *fit, const FfpImage *unseen, FfpError *e
                     fit->board.columns, fit->board.rows, fit->n, guess);
 }
 
+// --- What most of the folders are like. ---
+
+typedef struct Kind { // of a folder's photographs
+    int width, height, orientation;
+    const char *other; // a photograph that is tagged otherwise than the first; NULL: none
+} Kind;
+
+static Kind kind_of(const FfpShotFolder *folder) {
+    Kind kind = {.orientation = 1};
+    FfpError none = {0};
+    if (folder->n_files == 0) return kind;
+    ffp_photograph_read_size(&kind.width, &kind.height, folder->files[0], &none);
+    kind.orientation = ffp_image_orientation(folder->files[0]);
+    for (int k = 1; k < folder->n_files && !kind.other; k++)
+        if (ffp_image_orientation(folder->files[k]) != kind.orientation) kind.other = folder->files[k];
+    return kind;
+}
+
+static int times(const Kind *kinds, int n, const Kind *like, bool tagged) {
+    int count = 0;
+    for (int i = 0; i < n; i++)
+        count += tagged ? kinds[i].orientation == like->orientation
+                        : kinds[i].width == like->width && kinds[i].height == like->height;
+    return count;
+}
+
+static const char *tag_words(int orientation) {
+    return orientation > 1 ? ffp_orientation_words(orientation) : "upright";
+}
+
+// Nothing turns between the photographs of a rig: tags that differ are the camera's error, and folders with
+// such have a problem. Sets the camera's size to that of most.
+static void settle_kinds(FfpRigFit *fit, const FfpShotFolders *folders) {
+    Kind *kinds = ffp_alloc((size_t)folders->n, sizeof *kinds), usual = {0}, tag = {0};
+    for (int i = 0; i < folders->n; i++) kinds[i] = kind_of(&folders->folders[i]);
+    for (int i = 0; i < folders->n; i++) {
+        if (i == 0 || times(kinds, folders->n, &kinds[i], false) > times(kinds, folders->n, &usual, false))
+            usual = kinds[i];
+        if (i == 0 || times(kinds, folders->n, &kinds[i], true) > times(kinds, folders->n, &tag, true))
+            tag = kinds[i];
+    }
+    fit->devices[0].width = usual.width, fit->devices[0].height = usual.height;
+    for (int i = 0; i < folders->n; i++) {
+        FfpError why = {0};
+        const FfpShotFolder *folder = &folders->folders[i];
+        if (kinds[i].other)
+            ffp_fail_by(FFP_RULE_TAGS_MIXED,
+                        &(FfpFacts){.a = ffp_basename(folder->files[0]),
+                                    .b = tag_words(kinds[i].orientation),
+                                    .c = ffp_basename(kinds[i].other)},
+                        NULL, &why);
+        else if (kinds[i].orientation != tag.orientation)
+            ffp_fail_by(FFP_RULE_TAGS_DIFFER,
+                        &(FfpFacts){.a = folder->name,
+                                    .b = tag_words(kinds[i].orientation),
+                                    .c = tag_words(tag.orientation)},
+                        NULL, &why);
+        snprintf(fit->attitudes[i].problem, sizeof fit->attitudes[i].problem, "%s", why.text);
+    }
+    ffp_free(kinds);
+}
+
 bool ffp_read_attitudes(FfpRigFit *fit, const FfpShotFolders *folders, FfpError *err) {
     const FfpTask task = ffp_task("reading attitudes", folders->n);
     FfpImage unseen = {0};
     bool ok = true;
     fit->n = folders->n;
     fit->attitudes = ffp_alloc((size_t)folders->n, sizeof *fit->attitudes);
+    settle_kinds(fit, folders);
     for (int i = 0; ok && i < folders->n; i++) {
         ok = read_attitude(fit, &fit->attitudes[i], &folders->folders[i], &unseen, err);
         ffp_task_step(&task, i + 1, NULL);

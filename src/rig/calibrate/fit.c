@@ -18,6 +18,8 @@
 #define ATTITUDE_LEAST 0.75 // pixels
 #define CORNERS_LEAST 0.3   // share of the board's corners that an attitude must keep
 #define PARALLEL 3          // degrees between the boards farthest from parallel
+#define BENT 0.3            // pixels: a projector alone that fits worse, and
+#define BENT_TIMES 3        // so many times worse than the camera, is bent by its own electronics
 #define FOCAL_OPEN 0.1      // share of the focal length by which it may be uncertain
 #define FOCAL_VAGUE 0.02    // and where that is worth a warning
 #define GUESS_FOCAL 1.2     // of the picture's longer side: to see whether boards are parallel
@@ -287,5 +289,8 @@ bool ffp_fit_rig(FfpRigFit *fit, FfpError *err) {
     if (!ok) return false;
     measure_spread(fit);
     ffp_note_left_out(fit);
+    const double projector = fit->devices[1].rms, camera = fit->devices[0].rms;
+    if (projector > BENT && projector > BENT_TIMES * camera)
+        ffp_tell(FFP_RULE_PROJECTOR_FITS_BADLY, &(FfpFacts){.figure = projector, .x = camera, .limit = BENT});
     return true;
 }

@@ -9,6 +9,7 @@
 #include "core/base/call.h"
 #include "core/base/file.h"
 #include "core/image/photograph.h"
+#include "rig/findings/tell.h"
 #include "rig/import/file_names.h"
 
 enum { FILES_MAX = 4096 };
@@ -21,6 +22,18 @@ static int compare(const void *a, const void *b) {
     const char *x = *(const char *const *)a, *y = *(const char *const *)b;
     const int order = ffp_natural_order(x, y);
     return order != 0 ? order : strcmp(x, y); // "1.png" and "01.png"
+}
+
+static bool check_names(const char *folder, const char **files, int n, FfpError *err) {
+    int twins;
+    const int twin = ffp_find_twins(files, n, &twins);
+    if (twin >= 0 && 2 * twins >= n)
+        return ffp_fail_by(
+            FFP_RULE_RAW_AND_JPEG,
+            &(FfpFacts){.x = twins, .a = ffp_basename(files[twin]), .b = ffp_basename(files[twin + 1])},
+            folder, err);
+    ffp_unwrap_numbers(files, n);
+    return true;
 }
 
 // What of a folder is wanted: pictures, or folders. Paths in natural order, [*n].
@@ -43,6 +56,7 @@ static bool list(FfpArena *arena, const char *folder, bool folders, const char *
     }
     ffp_disown(directory), closedir(directory);
     qsort(found, (size_t)*n, sizeof *found, compare);
+    if (ok && !folders) ok = check_names(folder, found, *n, err);
     *paths = found;
     return ok;
 }

@@ -14,8 +14,9 @@ void ffp_calibration_free(FfpCalibration *calibration) {
 
 static bool read_object(FfpCalibration *calibration, const FfpNode *root, FfpError *err) {
     FfpNode field;
-    return ffp_node_find(root, "frames", &field) ? ffp_read_nepmap(calibration, root, err)
-                                                 : ffp_read_opencv(calibration, root, err);
+    if (ffp_node_find(root, "frames", &field)) return ffp_read_nepmap(calibration, root, err);
+    if (ffp_node_find(root, "cam0", &field)) return ffp_read_kalibr(calibration, root, err);
+    return ffp_read_opencv(calibration, root, err);
 }
 
 // GS-ProCams writes two lists; the projector's entries have no "rotation".
@@ -104,7 +105,8 @@ bool ffp_calibration_read(FfpCalibration *calibration, const char *const *files,
     if (!calibration->has_projector_pose)
         return ffp_fail(err, FFP_ERROR_FILE, where,
                         "the calibration does not relate camera and projector to each "
-                        "other (rotation R and translation T): stereo-calibrate them");
+                        "other (rotation R and translation T): stereo-calibrate them, and give the file that "
+                        "has R and T, too");
     for (int i = 0; i < calibration->n_stops; i++) {
         memcpy(calibration->stops[i].p2w, calibration->p2c, sizeof calibration->p2c);
     }

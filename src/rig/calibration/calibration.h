@@ -45,8 +45,11 @@ void ffp_calibration_free(FfpCalibration *calibration);
 // --- The formats; each adds to the calibration. ---
 
 // OpenCV FileStorage (YAML, XML or JSON) of kamino410/procam-calibration, single-shot-pro-cam-calib,
-// Moreno-Taubin and Calibrator, OpenCV's structured-light samples; DeProCams' params.yml.
+// Moreno-Taubin and Calibrator, SLStudio, OpenCV's structured-light, stereo and calibration samples; ROS'
+// camera_info; DeProCams' params.yml.
 bool ffp_read_opencv(FfpCalibration *calibration, const FfpNode *root, FfpError *err);
+// Kalibr's camchain.yaml.
+bool ffp_read_kalibr(FfpCalibration *calibration, const FfpNode *root, FfpError *err);
 // nepmap's transforms.json.
 bool ffp_read_nepmap(FfpCalibration *calibration, const FfpNode *root, FfpError *err);
 // GS-ProCams' cameras.json and projector.json.

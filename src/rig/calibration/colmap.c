@@ -14,7 +14,7 @@
 #include "rig/calibration/matrix.h"
 
 #define CAMERAS_MAX 4096
-#define PARAMETERS_MAX 8
+#define PARAMETERS_MAX 12
 
 typedef struct Lines { // a text file, line by line
     char *text, *next;
@@ -99,6 +99,10 @@ static char *take_word(char **at) {
     return word;
 }
 
+#define RATIONAL                                                                                             \
+    "FULL_OPENCV with k4, k5 or k6 other than 0 is not removed: calibrate with OPENCV, or undistort with "   \
+    "colmap image_undistorter"
+
 // --- cameras.txt: CAMERA_ID MODEL WIDTH HEIGHT PARAMS... ---
 
 // Where each model keeps its parameters: focal lengths (one or two), the principal point, then k1 k2 p1 p2.
@@ -107,11 +111,8 @@ static bool camera_from(const Lines *lines, const char *model, const double *p, 
     static const struct {
         const char *name;
         int focals, lens;
-    } models[] = {{"SIMPLE_PINHOLE", 1, 0},
-                  {"PINHOLE", 2, 0},
-                  {"SIMPLE_RADIAL", 1, 1},
-                  {"RADIAL", 1, 2},
-                  {"OPENCV", 2, 4}};
+    } models[] = {{"SIMPLE_PINHOLE", 1, 0}, {"PINHOLE", 2, 0}, {"SIMPLE_RADIAL", 1, 1},
+                  {"RADIAL", 1, 2},         {"OPENCV", 2, 4},  {"FULL_OPENCV", 2, 8}};
     for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
         if (strcmp(model, models[i].name) != 0) continue;
         const int focals = models[i].focals;
@@ -119,7 +120,9 @@ static bool camera_from(const Lines *lines, const char *model, const double *p, 
             return fail_here(lines, err, "wrong number of camera parameters");
         optics->fx = p[0], optics->fy = p[focals - 1];
         optics->cx = p[focals], optics->cy = p[focals + 1];
-        for (int k = 0; k < models[i].lens; k++) optics->lens[k] = p[focals + 2 + k];
+        for (int k = 0; k < models[i].lens && k < 5; k++) optics->lens[k] = p[focals + 2 + k];
+        for (int k = 5; k < models[i].lens; k++)
+            if (p[focals + 2 + k] != 0) return fail_here(lines, err, RATIONAL);
         for (int k = 0; k < n; k++) {
             if (fabs(p[k]) > FFP_PIXELS_MAX) return fail_here(lines, err, "a camera parameter is too large");
         }
@@ -129,7 +132,8 @@ static bool camera_from(const Lines *lines, const char *model, const double *p, 
     return ffp_document_fail(
         lines->path, lines->number, err,
         "camera model %.40s is not among SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, "
-        "OPENCV: undistort with colmap image_undistorter, or calibrate with one of them",
+        "OPENCV and FULL_OPENCV without rational terms: undistort with colmap image_undistorter, or "
+        "calibrate with one of them",
         model);
 }
 
@@ -142,7 +146,7 @@ static bool read_camera(const Lines *lines, char *at, ColmapCamera *camera, FfpE
     if (!take_whole(&at, 1, FFP_IMAGE_SIDE_MAX, &width) || !take_whole(&at, 1, FFP_IMAGE_SIDE_MAX, &height))
         return fail_here(lines, err, "invalid width or height");
     for (; *at != 0; n++) {
-        // The models that are read have at most eight; longer ones are told by their name.
+        // The models that are read have at most twelve; longer ones are told by their name.
         double value = 0;
         if (!take_number(&at, &value)) return fail_here(lines, err, "a camera parameter is not a number");
         if (n < PARAMETERS_MAX) parameters[n] = value;
@@ -228,6 +232,23 @@ static bool is_projector(const char *name, const char *stem) {
     return strncmp(base, stem, length) == 0 && (base[length] == 0 || base[length] == '.');
 }
 
+// Pictures called the same in a folder for each view ("000/white.png") are named by these folders.
+static bool name_stop(FfpCalibration *calibration, int stop, const FfpNode *file, const Colmap *colmap,
+                      const char *name, const char *projector_image, FfpError *err) {
+    const char *base = ffp_basename(name);
+    bool alike = base != name;
+    for (int i = 0; alike && i < colmap->n_images; i++) {
+        const char *other = colmap->images[i].name;
+        alike = is_projector(other, projector_image) || strcmp(ffp_basename(other), base) == 0;
+    }
+    if (!alike || colmap->n_images < 3) return ffp_name_stop_by_file(calibration, stop, file, name, err);
+    char folder[FFP_NAME_MAX];
+    const char *end = base - 1, *start = end;
+    while (start > name && start[-1] != '/') start--;
+    snprintf(folder, sizeof folder, "%.*s", (int)(end - start), start);
+    return ffp_name_stop(calibration, stop, file, folder, err);
+}
+
 static bool distribute(FfpCalibration *calibration, const Colmap *colmap, const char *path,
                        const char *projector_image, FfpError *err) {
     const FfpNode file = {.file = path};
@@ -250,7 +271,7 @@ static bool distribute(FfpCalibration *calibration, const Colmap *colmap, const 
         }
         FfpStop *to = &calibration->stops[stop];
         if (!optics_of(colmap, image, path, &to->camera, err) ||
-            !ffp_name_stop_by_file(calibration, stop, &file, image->name, err)) {
+            !name_stop(calibration, stop, &file, colmap, image->name, projector_image, err)) {
             return false;
         }
         memcpy(to->c2w, image->c2w, sizeof to->c2w);

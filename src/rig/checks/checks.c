@@ -100,7 +100,10 @@ static void check_rig(FfpFindings *found, const FfpCapture *capture, const FfpCa
     FfpRange ranges[FFP_RIG_NUMBERS];
     const double gap = ffp_rig_widest_gap(capture), ambient = (double)lights->ambient;
     ffp_rig_ranges(capture, ranges);
-    for (int i = 0; i < FFP_RIG_NUMBERS; i++) compare(found, i, ranges[i]);
+    // One view stands on no turntable: its height and roll say nothing of an axis.
+    for (int i = 0; i < FFP_RIG_NUMBERS; i++)
+        if (capture->n_views > 1 || (i != FFP_RIG_CAMERA_HEIGHT && i != FFP_RIG_ROLL))
+            compare(found, i, ranges[i]);
     compare(found, AMBIENT, (FfpRange){ambient, ambient});
     look(found, capture->n_views >= VIEWS_LEAST && gap < ffp_rule(FFP_RULE_VIEWS)->limit, FFP_RULE_VIEWS,
          FFP_RULE_FEW_VIEWS, &(FfpFacts){.x = capture->n_views, .figure = gap});
@@ -218,4 +221,10 @@ void ffp_rig_checks(FfpFindings *found, const FfpCapture *capture, const FfpCame
     check_pattern(found, capture);
     if (!capture->scene) check_surfaces(found, capture);
     ffp_rig_lights_free(&lights);
+}
+
+void ffp_rig_look(FfpFindings *found, const FfpCapture *capture, const FfpCamera *taken) {
+    ffp_rig_faults(found, capture);
+    ffp_rig_checks(found, capture, taken);
+    ffp_findings_merge(found);
 }

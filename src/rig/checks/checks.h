@@ -18,7 +18,9 @@ void ffp_rig_checks(FfpFindings *found, const FfpCapture *capture, const FfpCame
 // these explains what is wrong, and returns false; what is doubtful but unexplained, and what only makes the
 // result worse, is added as notes.
 bool ffp_rig_faults(FfpFindings *found, const FfpCapture *capture);
-// The same before the work of a call, whose caller is told of notes. Fails with FFP_ERROR_FAULT.
+// Both: faults first, and each thing once.
+void ffp_rig_look(FfpFindings *found, const FfpCapture *capture, const FfpCamera *taken);
+// Faults before the work of a call, whose caller is told of notes. Fails with FFP_ERROR_FAULT.
 bool ffp_rig_suspect(const FfpCapture *capture, FfpError *err);
 
 #endif

@@ -139,6 +139,11 @@ static bool suppose_mishap(Trial *t, const FfpCase *c, int variant) {
     return undo_in_view(t, c->view, c->active, (Mishap)variant);
 }
 
+static bool suppose_mishap_alone(Trial *t, const FfpCase *c, int variant) {
+    t->view = c->view;
+    return suppose_mishap(t, c, variant);
+}
+
 static bool mishap_agrees(const FfpCase *c, int variant) {
     return light_agrees(c, c->view, (Mishap)variant);
 }
@@ -294,18 +299,38 @@ static FfpRuleId tell_projector_size(const FfpCase *c, int variant, FfpFacts *fa
     return FFP_RULE_PROJECTOR_SIZE;
 }
 
-static bool suppose_inverted(Trial *t, const FfpCase *c, int variant) {
-    (void)variant;
-    for (int v = 0; v < t->capture.n_views; v++) {
-        const real *from = c->capture->views[v].projector.pose;
-        real *to = t->capture.views[v].projector.pose;
-        for (int i = 0; i < 3; i++) {
-            to[4 * i + 3] = 0;
-            for (int k = 0; k < 3; k++) {
-                to[4 * i + k] = from[4 * k + i];
-                to[4 * i + 3] -= from[4 * k + i] * from[4 * k + 3];
-            }
+static void invert(const real from[16], real to[16]) {
+    memcpy(to, from, 16 * sizeof *to);
+    for (int i = 0; i < 3; i++) {
+        to[4 * i + 3] = 0;
+        for (int k = 0; k < 3; k++) {
+            to[4 * i + k] = from[4 * k + i];
+            to[4 * i + 3] -= from[4 * k + i] * from[4 * k + 3];
         }
+    }
+}
+
+static void multiply(const real a[16], const real b[16], real out[16]) {
+    memset(out, 0, 16 * sizeof *out);
+    for (int i = 0; i < 16; i++)
+        for (int k = 0; k < 4; k++) out[i] += a[i / 4 * 4 + k] * b[4 * k + i % 4];
+}
+
+// The projector's pose in the world; and its motion from the camera, which a turntable carries along.
+static bool suppose_inverted(Trial *t, const FfpCase *c, int variant) {
+    (void)c;
+    for (int v = 0; v < t->capture.n_views; v++) {
+        FfpView *view = &t->capture.views[v];
+        real to_camera[16], motion[16], pose[16];
+        if (variant == 0) {
+            invert(view->projector.pose, pose);
+        } else {
+            invert(view->projector.pose, motion);
+            multiply(motion, view->camera.pose,
+                     to_camera); // camera to projector, where the reverse was meant
+            multiply(view->camera.pose, to_camera, pose);
+        }
+        memcpy(view->projector.pose, pose, sizeof pose);
     }
     return true;
 }
@@ -389,8 +414,9 @@ static const struct Hypothesis {
     {FFP_VIEWS_BY_LIGHT, MIRRORS, suppose_mirror, NULL, NULL, tell_mirror},
     {FFP_VIEWS_BY_LIGHT, 1, suppose_red_and_blue, NULL, NULL, tell_red_and_blue},
     {FFP_VIEWS_BY_LIGHT, 4, suppose_projector_size, NULL, enough_to_reach, tell_projector_size},
-    {FFP_VIEWS_BY_LIGHT, 1, suppose_inverted, NULL, NULL, tell_inverted},
+    {FFP_VIEWS_BY_LIGHT, 2, suppose_inverted, NULL, NULL, tell_inverted},
     {FFP_VIEWS_BY_LIGHT, FFP_PATTERNS_MAX, suppose_pattern, pattern_agrees, NULL, tell_pattern},
+    {FFP_VIEW_BY_LIGHT, MISHAPS, suppose_mishap_alone, NULL, NULL, tell_mishap},
     {FFP_VIEW_BY_LIGHT, FFP_VIEWS_MAX, suppose_photograph, photograph_agrees, NULL, tell_photograph},
     {FFP_VIEW_BY_LIGHT, FFP_PATTERNS_MAX, suppose_pattern_once, NULL, NULL, tell_pattern_once},
 };

@@ -332,8 +332,56 @@ static const FfpRule rules[FFP_RULES] = {
          "the projector's response is not kept (gamma {a}): with it the pattern explains views held out no "
          "better, {x:.1f} dB, than the {y:.1f} without; patterns count as {b}",
          NULL, NULL},
+    [FFP_RULE_TAGS_DIFFER] =
+        {"orientation-tags-differ", "photographs", FAULT, NULL, 0,
+         "photographs of {a} are tagged as {b}, those of the others as {c}",
+         "nothing turned between them, since the rig stands still: the camera's tilt sensor erred. Take the "
+         "tags away (exiftool -Orientation= FILES), or set them alike",
+         NULL},
+    [FFP_RULE_TAGS_MIXED] =
+        {"orientation-tags-mixed", "photographs", FAULT, NULL, 0,
+         "'{a}' is tagged as {b}, and '{c}' otherwise, although nothing turned between them",
+         "the camera's tilt sensor erred: take the tags away (exiftool -Orientation= FILES), or set them "
+         "alike",
+         NULL},
+    [FFP_RULE_TURNED_PICTURES] =
+        {"photographs-turned", "photographs", FAULT, NULL, 0,
+         "the photographs have {x:.0f} x {y:.0f} pixels, those of the other attitudes {a}",
+         "was the camera turned, or the pictures? Turn them back, or photograph this attitude again", NULL},
+    [FFP_RULE_RAW_AND_JPEG] = {"raw-and-jpeg", "photographs", FAULT, NULL, 0,
+                               "{x:.0f} photographs exist twice, as '{a}' and '{b}'",
+                               "keep one of the two kinds in the folder", NULL},
+    [FFP_RULE_NUMBERS_WRAP] =
+        {"numbers-wrap", "photographs", NOTE, NULL, 0,
+         "the numbers of the photographs begin again: '{b}' is taken to come after '{a}'", NULL, NULL},
+    [FFP_RULE_ONE_LATE] =
+        {"photographs-late", "photographs", FAULT, NULL, 0,
+         "every photograph shows the pattern before its own: '{a}' shows black and '{b}' white",
+         "the camera was too early: wait longer after showing a pattern, and photograph again", NULL},
+    [FFP_RULE_WHITE_IS_BLACK] =
+        {"white-is-black", "photographs", FAULT, NULL, 0,
+         "'{a}' and '{b}' show the same: one of them should be the projector's white",
+         "the photograph was taken before the projector had changed, or a file was copied: take it again",
+         NULL},
+    [FFP_RULE_CODES_CLIPPED] =
+        {"codes-overexposed", "exposure", FAULT, "share of the light pixels", 0.2,
+         "{figure:.0%} of what the projector lights in '{a}' are at the camera's limit",
+         "overexposed: shorten the exposure until white stays below the limit, and "
+         "photograph the codes again",
+         NULL},
+    [FFP_RULE_PLAIN_CLIPPED] = {"black-and-white-overexposed", "exposure", FAULT, ALL_PIXELS, 0.3,
+                                "{figure:.0%} of '{a}' are at the camera's limit",
+                                "overexposed: shorten the exposure until the projector's white stays below "
+                                "the limit, and photograph all again",
+                                NULL},
 
     // --- Calibrations. ---
+    [FFP_RULE_PROJECTOR_FITS_BADLY] =
+        {"projector-fits-badly", "calibration", DOUBT, "pixels", 0,
+         "the projector alone fits with {figure:.2f} pixels, the camera with {x:.2f}",
+         "the panel does not show the patterns pixel by pixel: switch keystone, four-corner and lens-shift "
+         "correction, overscan and scaling off, and photograph again",
+         NULL},
     [FFP_RULE_ATTITUDE] = {"attitudes-left-out", "calibration", DOUBT, NULL, 0, "{a} left out: {b}", NULL,
                            NULL},
     [FFP_RULE_FOCAL] = {"focal-uncertain", "calibration", DOUBT, "share of the focal length", 0,

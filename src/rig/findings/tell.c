@@ -118,6 +118,22 @@ FfpFinding *ffp_findings_packed(const FfpFindings *findings) {
     return out;
 }
 
+void ffp_findings_merge(FfpFindings *findings) {
+    int kept = 0;
+    for (int i = 0; i < findings->count; i++) {
+        const FfpFinding *f = &findings->items[i];
+        bool needed = true;
+        for (int k = 0; needed && k < findings->count; k++) {
+            const FfpFinding *other = &findings->items[k];
+            const bool alike = k != i && strcmp(other->code, f->code) == 0 &&
+                               (!f->view || !other->view || strcmp(other->view, f->view) == 0);
+            needed = !alike || (k < kept ? other->severity < f->severity : other->severity <= f->severity);
+        }
+        if (needed) findings->items[kept++] = *f;
+    }
+    findings->count = kept;
+}
+
 // --- As text. ---
 
 void ffp_finding_line(FILE *out, const FfpFinding *finding) {
@@ -158,6 +174,16 @@ bool ffp_findings_tell(const FfpFindings *findings, const char *place, FfpError 
     return false;
 }
 
+bool ffp_fail_by(FfpRuleId rule, const FfpFacts *facts, const char *where, FfpError *err) {
+    FfpFindings found = {0};
+    ffp_found(&found, rule, facts);
+    char *line = line_of(&found.items[0]);
+    ffp_fail(err, FFP_ERROR_FILE, where, "%s", line);
+    ffp_free(line);
+    ffp_findings_free(&found);
+    return false;
+}
+
 void ffp_tell(FfpRuleId rule, const FfpFacts *facts) {
     FfpFindings found = {0};
     ffp_found(&found, rule, facts);
@@ -166,10 +192,13 @@ void ffp_tell(FfpRuleId rule, const FfpFacts *facts) {
 }
 
 void ffp_findings_page(FILE *out, const FfpFinding *findings, int count) {
+    static const char *const words[] = {"ok", "note", "LOOK", "STOP"};
     for (int i = 0; i < count; i++) {
         const FfpFinding *f = &findings[i];
-        if (f->severity == FFP_FINDING_NOTE) continue;
-        fprintf(out, "  %-4s %-12s %s\n", f->severity == FFP_FINDING_OK ? "ok" : "LOOK", f->subject, f->text);
+        fprintf(out, "  %-4s %-12s ", words[f->severity], f->subject);
+        // What a fault is about stands in front of it; doubts and notes say it themselves.
+        if (f->severity == FFP_FINDING_FAULT && f->view) fprintf(out, "view %s: ", f->view);
+        fprintf(out, "%s\n", f->text);
         if (f->advice) fprintf(out, "       -> %s\n", f->advice);
     }
 }

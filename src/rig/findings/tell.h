@@ -23,6 +23,8 @@ void ffp_findings_free(FfpFindings *findings);
 
 // Adds a finding. False if it is a fault, so that a check can `return ffp_found(...)`.
 bool ffp_found(FfpFindings *findings, FfpRuleId rule, const FfpFacts *facts);
+// Of several findings of one code, the most severe stays.
+void ffp_findings_merge(FfpFindings *findings);
 // The fault among them; NULL: there is none.
 const FfpFinding *ffp_findings_fault(const FfpFindings *findings);
 
@@ -35,12 +37,14 @@ bool ffp_findings_pass(const FfpFindings *findings);
 // the error, and the function returns false. `place`: of faults of no view.
 bool ffp_findings_tell(const FfpFindings *findings, const char *place, FfpError *err);
 
+// The error of a file by a rule's words: "TEXT: ADVICE (WHERE)". Returns false.
+bool ffp_fail_by(FfpRuleId rule, const FfpFacts *facts, const char *where, FfpError *err);
 // One finding at once, a note or a doubt.
 void ffp_tell(FfpRuleId rule, const FfpFacts *facts);
 
 // "TEXT: ADVICE"
 void ffp_finding_line(FILE *out, const FfpFinding *finding);
-// The page of `info`: a line for each, "ok" or "LOOK", and the advice below. Notes have none.
+// The page of `info`: a line for each, "ok", "note", "LOOK" or, of what is refused, "STOP"; the advice below.
 void ffp_findings_page(FILE *out, const FfpFinding *findings, int count);
 
 #endif

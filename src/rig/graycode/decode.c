@@ -4,8 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include "core/base/alloc.h"
+#include "core/base/file.h"
 #include "core/numerics/rank.h"
 #include "core/patterns/patterns.h"
+#include "rig/findings/tell.h"
 #include "rig/graycode/decoder.h"
 #include "rig/graycode/edges.h"
 
@@ -160,7 +162,14 @@ bool ffp_gray_decode_view(FfpImage *map, FfpGrayReport *report, const FfpGrayPho
         .from = photographs,
         .bits = {ffp_gray_code_bits(photographs->width), ffp_gray_code_bits(photographs->height)},
         .report = report};
-    const bool ok = decode(d, map, err);
+    FfpError why = {0};
+    const bool ok = decode(d, map, &why);
+    // Codes at the camera's limit cannot be told from their inverses, whatever else seems to be wrong.
+    if (!ok && why.code == FFP_ERROR_FILE && report->clipped > ffp_rule(FFP_RULE_CODES_CLIPPED)->limit)
+        ffp_fail_by(FFP_RULE_CODES_CLIPPED,
+                    &(FfpFacts){.a = ffp_basename(photographs->white), .figure = report->clipped},
+                    photographs->white, &why);
+    if (!ok && err) *err = why;
     for (int axis = 0; axis < 2; axis++) {
         for (int bit = 0; bit < FFP_GRAY_BITS_MAX; bit++) ffp_free(d->signal[axis][bit]);
         ffp_free(d->code[axis]);

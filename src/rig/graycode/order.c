@@ -216,6 +216,12 @@ static bool tell(const FfpGrayDecoder *d, int axis, const Seen *seen, FfpError *
     char swap[400];
     const int broader = broader_bit(seen, &none), jumping = jumping_bit(seen, &none, JUMPS);
     const double beyond = beyond_panel(seen, &none);
+    // Where the sides are exchanged, the rows' coarsest code comes earlier or later than it should.
+    const int apart = d->bits[axis] - d->bits[1 - axis], rows_from = axis == 0 ? d->bits[1] : apart;
+    if (broader > 0 && apart > 0 && broader == rows_from)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_gray_photograph(d, axis, broader, 0),
+                        "the rows' codes begin here: the panel's width and height, %d x %d, are exchanged",
+                        d->from->width, d->from->height);
     if (broader >= 0) {
         explain(d, axis, seen, ": ", swap);
         return ffp_fail(err, FFP_ERROR_FILE, ffp_gray_photograph(d, axis, broader, 0),

@@ -2,11 +2,13 @@
 #include <math.h>
 #include "core/base/alloc.h"
 #include "core/base/file.h"
+#include "rig/findings/tell.h"
 #include "rig/graycode/decoder.h"
 
 #define LIT 0.003    // linear: what the brighter of two adds, where the projector's light falls
 #define NOISE 0.1    // of the brighter one: a smaller difference is noise
 #define OUTSIDE 0.05 // linear: a code is nowhere darker than black, or brighter than white, by as much
+#define CLIPPED 0.98 // linear
 #define BRIGHTER 0.9 // share of lit pixels of which white must be the brighter
 
 // Two photographs one after the other, as light.
@@ -97,6 +99,43 @@ static void free_plain(Plain *p) {
     for (int k = 0; k < 2; k++) ffp_free(p->grey[k]), ffp_image_free(&p->luma[k]);
 }
 
+// Share of the pixels at the camera's limit in the lighter of two.
+static double clipped_share(const Plain *p) {
+    const size_t pixels = (size_t)p->width * (size_t)p->height;
+    size_t clipped = 0;
+    for (size_t i = 0; i < pixels; i++) clipped += (double)p->grey[1][i] >= CLIPPED;
+    return (double)clipped / (double)pixels;
+}
+
+// Says what was seen in place of black and white.
+static bool fail_plain(const Plain *front, const Plain *back, const FfpGrayPhotographs *from, FfpError *err) {
+    const char *const *files = front->files;
+    Plain middle = {.files = files + 1}; // every photograph may show the pattern before its own
+    FfpGrayPhotographs without_cache = *from;
+    without_cache.cache = NULL;
+    const bool read = read_plain(&middle, &without_cache, err);
+    const bool late =
+        read && !middle.turned && choose(&middle, back) == &middle && choose(&middle, front) == &middle;
+    free_plain(&middle);
+    if (!read) return false;
+    const char *lighter = files[front->turned ? 0 : 1];
+    const double clipped = clipped_share(front);
+    const FfpFacts facts = {.a = ffp_basename(files[late]), .b = ffp_basename(files[1 + late])};
+    if (late) return ffp_fail_by(FFP_RULE_ONE_LATE, &facts, files[0], err);
+    if (clipped > ffp_rule(FFP_RULE_PLAIN_CLIPPED)->limit)
+        return ffp_fail_by(FFP_RULE_PLAIN_CLIPPED, &(FfpFacts){.a = ffp_basename(lighter), .figure = clipped},
+                           lighter, err);
+    if (!(front->lit || back->lit))
+        return ffp_fail(err, FFP_ERROR_FILE, files[0],
+                        "black and white cannot be told apart in the first two photographs or in the last "
+                        "two: nothing is lit, or everything is overexposed");
+    if (!front->lit) return ffp_fail_by(FFP_RULE_WHITE_IS_BLACK, &facts, files[0], err);
+    return ffp_fail(
+        err, FFP_ERROR_FILE, files[0],
+        "neither the first two photographs nor the last two are the projector black and white: they are not "
+        "numbered in the order in which they were shown, or the exposure changed between them");
+}
+
 bool ffp_gray_find_plain(FfpGrayPhotographs *photographs, const char *const *files, int n, FfpError *err) {
     const int count = 2 + ffp_gray_photographs(photographs->width, photographs->height);
     if (n != count)
@@ -117,15 +156,7 @@ bool ffp_gray_find_plain(FfpGrayPhotographs *photographs, const char *const *fil
             keep_plain(photographs->cache, &back, photographs->white);
         }
     }
+    const bool told = !ok || chosen || fail_plain(&front, &back, photographs, err);
     free_plain(&front), free_plain(&back);
-    if (!ok) return false;
-    if (!chosen && !(front.lit || back.lit))
-        return ffp_fail(err, FFP_ERROR_FILE, files[0],
-                        "black and white cannot be told apart in the first two photographs or in the last "
-                        "two: nothing is lit, or everything is overexposed");
-    if (!chosen)
-        return ffp_fail(
-            err, FFP_ERROR_FILE, files[0],
-            "neither the first two photographs nor the last two are the projector black and white");
-    return true;
+    return ok && told;
 }

@@ -4,11 +4,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include "core/base/arena.h"
 #include "core/base/call.h"
 #include "core/base/file.h"
 #include "core/capture/node.h"
 #include "core/image/photograph.h"
+#include "rig/findings/tell.h"
 
 // --- Names in order. ---
 
@@ -33,6 +35,53 @@ static int compare_paths(const void *a, const void *b) {
     const char *x = *(char *const *)a, *y = *(char *const *)b;
     const int order = ffp_natural_order(x, y);
     return order != 0 ? order : strcmp(x, y); // "1.png" and "01.png"
+}
+
+// --- What cameras do to names. ---
+
+// The last number in a file's name and how many digits it has; -1: none.
+static long last_number(const char *path, int *digits) {
+    const char *base = ffp_basename(path), *dot = strrchr(base, '.');
+    const char *end = dot ? dot : base + strlen(base);
+    while (end > base && !isdigit((unsigned char)end[-1])) end--;
+    const char *start = end;
+    while (start > base && isdigit((unsigned char)start[-1])) start--;
+    *digits = (int)(end - start);
+    return *digits > 0 && *digits < 10 ? strtol(start, NULL, 10) : -1;
+}
+
+void ffp_unwrap_numbers(const char **paths, int n) {
+    int gaps = 0, gap = 0, digits;
+    long before = -1, most = 1;
+    if (n < 3 || last_number(paths[0], &digits) > 1) return;
+    for (int i = 0; i < n; i++) {
+        const long number = last_number(paths[i], &digits);
+        if (number < 0) return;
+        if (i > 0 && number != before + 1) gaps++, gap = i;
+        before = number;
+    }
+    for (int k = 0; k < digits; k++) most *= 10;
+    if (gaps != 1 || before != most - 1 || digits < 3) return;
+    const char **held = ffp_alloc((size_t)n, sizeof *held);
+    for (int i = 0; i < n; i++) held[i] = paths[(i + gap) % n];
+    memcpy(paths, held, (size_t)n * sizeof *held);
+    ffp_free(held);
+    ffp_tell(FFP_RULE_NUMBERS_WRAP,
+             &(FfpFacts){.a = ffp_basename(paths[n - gap - 1]), .b = ffp_basename(paths[n - gap])});
+}
+
+int ffp_find_twins(const char *const *paths, int n, int *count) {
+    int first = -1;
+    *count = 0;
+    for (int i = 0; i + 1 < n; i++) {
+        const char *dot = strrchr(paths[i], '.'), *other = strrchr(paths[i + 1], '.');
+        if (!dot || !other || dot - paths[i] != other - paths[i + 1] ||
+            strncmp(paths[i], paths[i + 1], (size_t)(dot - paths[i])) != 0 || strcasecmp(dot, other) == 0)
+            continue;
+        if (!ffp_photograph_is_raw(paths[i]) && !ffp_photograph_is_raw(paths[i + 1])) continue;
+        if ((*count)++ == 0) first = i;
+    }
+    return first;
 }
 
 // --- Templates: {view}, {pattern}, {index}, {number}, the last two also as {number:3}. ---
@@ -182,9 +231,20 @@ static bool match(const char **paths, FfpArena *arena, const FfpFileSet *set, co
     }
     ffp_own(found, free_glob);
     qsort(found->gl_pathv, found->gl_pathc, sizeof *found->gl_pathv, compare_paths);
-    const bool all = found->gl_pathc == (size_t)part->count,
-               ok = all || place_some(paths, arena, set, part, found->gl_pathv, found->gl_pathc) ||
-                    wrong_number(set, part, found->gl_pathc, err);
+    const char **names = (const char **)found->gl_pathv;
+    int twins = 0;
+    const int twin = ffp_find_twins(names, (int)found->gl_pathc, &twins);
+    const bool all = found->gl_pathc == (size_t)part->count;
+    if (part->by_view) ffp_unwrap_numbers(names, (int)found->gl_pathc);
+    bool ok = all;
+    if (!all && twin >= 0)
+        ffp_fail_by(
+            FFP_RULE_RAW_AND_JPEG,
+            &(FfpFacts){.x = twins, .a = ffp_basename(names[twin]), .b = ffp_basename(names[twin + 1])},
+            part->path, err);
+    else if (!all)
+        ok = place_some(paths, arena, set, part, found->gl_pathv, found->gl_pathc) ||
+             wrong_number(set, part, found->gl_pathc, err);
     for (int i = 0; all && i < part->count; i++)
         paths[part->at + i * part->stride] = ffp_arena_text(arena, found->gl_pathv[i]);
     ffp_disown(found);

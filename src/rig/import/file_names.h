@@ -8,6 +8,13 @@
 // Whether a comes before b when runs of digits count as numbers: "img_9" before "img_10".
 int ffp_natural_order(const char *a, const char *b);
 
+// Files in natural order, [n], of a camera whose numbers began again (9999, 0001): the part before that comes
+// first, with a note.
+void ffp_unwrap_numbers(const char **paths, int n);
+// Two of the files in natural order, [n], that differ in their ending alone, if one is a raw photograph: each
+// photograph exists twice. -1: there are none; otherwise the first of the two. *count: of such pairs.
+int ffp_find_twins(const char *const *paths, int n, int *count);
+
 // A file of every view under every name.
 typedef struct FfpFileSet {
     const char *template;

@@ -74,11 +74,12 @@ static bool make_capture(FfpImporting *import, FfpError *err) {
     return check_settings(import->settings, err) && ffp_importing_check_scene(import, err) &&
            name_capture(import, err) && ffp_importing_read_rig(import, err) &&
            ffp_shots_find(&import->shots, &import->settings->sources, &import->calibration, err) &&
-           ffp_importing_settle_views(import, err) && check_memory(import, err) &&
-           ffp_importing_load_pixels(import, err) && ffp_importing_load_stage(import, err) &&
-           ffp_importing_complete_masks(import, err) && ffp_importing_load_codes(import, err) &&
-           ffp_importing_find_axis(import, err) && settle_object(import, err) &&
-           ffp_importing_keep_codes(import, err) && ffp_importing_find_response(import, err);
+           ffp_importing_check_tags(import, err) && ffp_importing_settle_views(import, err) &&
+           check_memory(import, err) && ffp_importing_load_pixels(import, err) &&
+           ffp_importing_load_stage(import, err) && ffp_importing_complete_masks(import, err) &&
+           ffp_importing_load_codes(import, err) && ffp_importing_find_axis(import, err) &&
+           settle_object(import, err) && ffp_importing_keep_codes(import, err) &&
+           ffp_importing_find_response(import, err);
 }
 
 static bool run(FfpImporting *import, FfpError *err) {

@@ -35,6 +35,8 @@ typedef struct FfpImporting {
 // axis is known.
 bool ffp_importing_read_rig(FfpImporting *import, FfpError *err);
 // 2. (ffp_shots_find: which file is which picture.)
+// Orientation tags that differ within a rig are refused.
+bool ffp_importing_check_tags(FfpImporting *import, FfpError *err);
 // 3. The optics' sizes; of the capture: views with ids, cameras and projectors, and the panel. Which files
 // are Gray codes.
 bool ffp_importing_settle_views(FfpImporting *import, FfpError *err);

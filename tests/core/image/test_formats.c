@@ -151,6 +151,7 @@ static void jpeg_is_turned_as_the_camera_was(void **state) {
         write_jpeg_kind(in_scratch("turned.jpg"), pixels, 48, 16, &kind);
         FfpImage image = read_as("turned.jpg", FFP_COLOUR_ENCODED);
         expect_corners(&image, orientation);
+        assert_int_equal(ffp_image_orientation(in_scratch("turned.jpg")), orientation);
         ffp_image_free(&image);
     }
     static const int wrong[3] = {0, 9, 255};

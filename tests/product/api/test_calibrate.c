@@ -234,10 +234,13 @@ static const Fault faults[] = {
      0,
      0,
      {"neither the first two photographs nor the last two", "shot_1.png"}},
-    {"cp bad/shot_2.png bad/shot_1.png",
+    {"cp bad/shot_2.png bad/shot_1.png", 0, 0, {"'shot_1.png' and 'shot_2.png' show the same"}},
+    {"cd bad && for i in $(seq 34 -1 2); do cp shot_$((i-1)).png shot_$i.png; done",
      0,
      0,
-     {"neither the first two photographs nor the last two", "shot_1.png"}},
+     {"every photograph shows the pattern before its own",
+      "'shot_2.png' shows black and 'shot_3.png' white"}},
+    {"for f in bad/*; do : > ${f%.png}.CR2; done", 0, 0, {"34 photographs exist twice", "shot_1.CR2"}},
     {"for f in bad/*; do cp ../shots/pose_2/shot_1.png $f; done",
      0,
      0,
@@ -245,7 +248,7 @@ static const Fault faults[] = {
     {"for f in bad/*; do cp ../full.png $f; done",
      0,
      0,
-     {"black and white cannot be told apart", "overexposed"}},
+     {"100 % of 'shot_2.png' are at the camera's limit", "overexposed"}},
     // Numbers.
     {SWAP(11, 12), 0, 0, {"shot_11.png and shot_12.png", "swapped, a code and its inverse"}},
     {SWAP(27, 29) " && " SWAP(28, 30), 0, 0, {"pairs of shot_27.png and shot_29.png", "swapped"}},
@@ -314,6 +317,24 @@ static void mixed_sizes(void **state) {
     FfpRigCalibration o = settings_of(&folder, 1);
     // Natural order takes it first: then the others are of another size.
     REFUSED(&o, "480 x 360", "200 x 100");
+}
+
+// A camera's numbers begin again after 9999.
+static void numbers_that_begin_again(void **state) {
+    NEEDS_OPENCV();
+    const char *folder = three("wrap");
+    FfpRigCalibrationStats stats;
+    FfpError err = {0};
+    in_folder(folder,
+              "for d in *; do for i in $(seq 34); do n=$((9980 + i)); [ $n -le 9999 ] || n=$((n - 9999)); "
+              "mv $d/shot_$i.png $d/IMG_$(printf %%04d $n).png; done; done");
+    FfpContext *context = listening();
+    FfpRigCalibration o = settings_of(&folder, 1);
+    o.file = in_scratch("wrap.xml");
+    if (!ffp_calibrate_rig(context, &o, &stats, &err)) fail_msg("%s", err.text);
+    ffp_context_free(context);
+    assert_int_equal(stats.used, 3);
+    assert_non_null(strstr(notes, "IMG_9999.png"));
 }
 
 static void a_folder_twice(void **state) {
@@ -672,6 +693,7 @@ int main(void) {
                                        cmocka_unit_test(everything_that_was_shown),
                                        cmocka_unit_test(what_is_wrong_is_named),
                                        cmocka_unit_test(mixed_sizes),
+                                       cmocka_unit_test(numbers_that_begin_again),
                                        cmocka_unit_test(a_folder_twice),
                                        cmocka_unit_test(another_board),
                                        cmocka_unit_test(a_board_is_seen),

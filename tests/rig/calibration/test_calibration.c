@@ -326,7 +326,103 @@ static void test_two_files(void **state) {
     must_fail(folder, 1, "cameras.txt");
 }
 
+// --- Other tools' files of a camera and a projector, each with the same figures. ---
+
+static void check_pair(void) {
+    static const double camera[9] = {272, 273, 135.5, 97.75, -0.125, 0.05, 0.001, -0.002},
+                        projector[9] = {254, 255, 157.5, 109.5};
+    static const double r[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1}, t[3] = {-100, 90, 35};
+    check_optics(&calibration.camera, camera);
+    check_optics(&calibration.projector, projector);
+    check_motion(r, t);
+    ffp_calibration_free(&calibration);
+}
+
+#define MATRIX(name, rows, cols, data)                                                                       \
+    name ":\n  rows: " #rows "\n  cols: " #cols "\n  dt: d\n  data: [" data "]\n"
+#define CAMERA "272, 0, 135.5, 0, 273, 97.75, 0, 0, 1"
+#define PROJECTOR "254, 0, 157.5, 0, 255, 109.5, 0, 0, 1"
+#define LENS "-0.125, 0.05, 0.001, -0.002, 0"
+#define R "0, -1, 0, 1, 0, 0, 0, 0, 1"
+#define T "-100, 90, 35"
+
+static void test_other_tools(void **state) {
+    (void)state;
+    const char *one[3] = {in_scratch("a.yaml")};
+    char first[256], second[256];
+    // OpenCV's stereo sample: two files.
+    snprintf(first, sizeof first, "%s", in_scratch("intrinsics.yml"));
+    snprintf(second, sizeof second, "%s", in_scratch("extrinsics.yml"));
+    const char *two[2] = {first, second};
+    write_text("intrinsics.yml", "%YAML:1.0\n---\n" MATRIX("M1", 3, 3, CAMERA) MATRIX("D1", 1, 5, LENS)
+                                     MATRIX("M2", 3, 3, PROJECTOR) MATRIX("D2", 1, 4, "0, 0, 0, 0"));
+    write_text("extrinsics.yml", "%YAML:1.0\n---\n" MATRIX("R", 3, 3, R) MATRIX("T", 3, 1, T));
+    must_read(two, 2);
+    check_pair();
+    // ROS: a file for each device, by its name or in their order, and the motion from elsewhere.
+    char ros[3][256];
+    for (int named = 0; named < 2; named++) {
+        snprintf(ros[0], sizeof ros[0], "%s", in_scratch("camera.yaml"));
+        snprintf(ros[1], sizeof ros[1], "%s", in_scratch("projector.yaml"));
+        const char *files[3] = {named ? ros[1] : ros[0], named ? ros[0] : ros[1], second};
+        write_text("camera.yaml",
+                   "image_width: 267\nimage_height: 200\ncamera_name: left\n" MATRIX(
+                       "camera_matrix", 3, 3,
+                       CAMERA) "distortion_model: plumb_bob\n" MATRIX("distortion_coefficients", 1, 5, LENS));
+        write_text("projector.yaml", "image_width: 320\nimage_height: 200\ncamera_name: projector\n" MATRIX(
+                                         "camera_matrix", 3, 3, PROJECTOR));
+        must_read(files, 3);
+        assert_true(calibration.camera.width == 267 && calibration.projector.width == 320);
+        check_pair();
+        must_fail(files, 2, "give the file that has R and T");
+    }
+    snprintf(first, sizeof first, "%s", in_scratch("a.yaml"));
+    one[0] = first;
+    write_text("a.yaml",
+               "cam0:\n  distortion_model: radtan\n  distortion_coeffs: [-0.125, 0.05, 0.001, -0.002]\n"
+               "  intrinsics: [272, 273, 135.5, 97.75]\n  resolution: [267, 200]\n"
+               "cam1:\n  T_cn_cnm1:\n  - [0, -1, 0, -100]\n  - [1, 0, 0, 90]\n  - [0, 0, 1, 35]\n"
+               "  - [0, 0, 0, 1]\n  intrinsics: [254, 255, 157.5, 109.5]\n  resolution: [320, 200]\n");
+    must_read(one, 1);
+    assert_true(calibration.camera.height == 200 && calibration.projector.width == 320);
+    check_pair();
+    write_text("a.yaml", "cam0:\n  distortion_model: equidistant\n  intrinsics: [272, 273, 135.5, 97.75]\n"
+                         "cam1:\n  intrinsics: [254, 255, 157.5, 109.5]\n");
+    must_fail(one, 1, "only the distortion model radtan");
+    write_text("a.yaml",
+               MATRIX("Kc", 3, 3, CAMERA) MATRIX("kc", 1, 5, LENS) MATRIX("Kp", 3, 3, PROJECTOR)
+                   MATRIX("kp", 1, 5, "0, 0, 0, 0, 0") MATRIX("Rp", 3, 3, R)
+                       MATRIX("Tp", 3, 1,
+                              T) "frameWidth: 267\nframeHeight: 200\nscreenResX: 320\nscreenResY: 200\n");
+    must_read(one, 1);
+    assert_true(calibration.camera.width == 267 && calibration.projector.height == 200);
+    check_pair();
+    write_bytes("a.yaml", "PK\3\4\24\0\0\0", 8);
+    must_fail(one, 1, "is a numpy archive");
+    write_text("a.yaml", "x: 1\n");
+    must_fail(one, 1, "camKc, prjKc");
+}
+
 // --- COLMAP. ---
+
+// The lens of OpenCV with more terms, of which the further ones are 0; views in folders of their own.
+static void test_colmap_in_folders(void **state) {
+    (void)state;
+    char folder[256];
+    snprintf(folder, sizeof folder, "%s", scratch);
+    const char *const file = folder;
+    write_text("cameras.txt", "1 FULL_OPENCV 64 48 50 51 32 24 0.1 0.02 0.003 0.004 0.05 0 0 0\n");
+    write_text("images.txt", "1 1 0 0 0 0 0 0 1 000/white.png\n\n2 1 0 0 0 1 0 0 1 045/white.png\n\n"
+                             "3 1 0 0 0 2 0 0 1 calib.png\n\n");
+    must_read(&file, 1);
+    assert_int_equal(calibration.n_stops, 2);
+    assert_string_equal(calibration.stops[0].id, "000");
+    assert_string_equal(calibration.stops[1].id, "045");
+    near(calibration.stops[0].camera.lens[4], 0.05);
+    ffp_calibration_free(&calibration);
+    write_text("cameras.txt", "1 FULL_OPENCV 64 48 50 51 32 24 0.1 0.02 0.003 0.004 0.05 0 0.1 0\n");
+    must_fail(&file, 1, "k4, k5 or k6");
+}
 
 static void must_refuse_colmap(const char *cameras, const char *images, const char *what) {
     assert_true(ffp_make_folders(in_scratch("model"), NULL));
@@ -541,6 +637,8 @@ int main(void) {
         cmocka_unit_test(test_truncated),
         cmocka_unit_test(test_two_files),
         cmocka_unit_test(test_mutated),
+        cmocka_unit_test(test_other_tools),
+        cmocka_unit_test(test_colmap_in_folders),
         cmocka_unit_test(test_bad_colmap),
         cmocka_unit_test(test_bad_lists),
         cmocka_unit_test(test_names_of_views),

@@ -91,6 +91,44 @@ static void exchange_photographs(FfpView *a, FfpView *b) {
     b->coverage = kept.coverage;
 }
 
+// No view is odd by its silhouettes, but each by its light.
+static void three_views_upside_down(void **state) {
+    (void)state;
+    for (int v = 2; v < 5; v++) {
+        FfpView *view = &capture.views[v];
+        for (int p = 0; p < capture.n_patterns; p++) move_picture(&view->images[p], HALF_TURN);
+        move_picture(&view->coverage, HALF_TURN);
+    }
+    ffp_findings_free(&found);
+    assert_false(ffp_rig_faults(&found, &capture));
+    assert_non_null(strstr(must_find(FFP_RULE_VIEW_TURNED, NULL)->text, "180"));
+}
+
+// The projector's R and T as from it to the camera.
+static void motion_from_projector_to_camera(void **state) {
+    (void)state;
+    for (int v = 0; v < capture.n_views; v++) {
+        FfpView *view = &capture.views[v];
+        const real *c = view->camera.pose, *p = view->projector.pose;
+        double to_projector[12], pose[12];
+        for (int i = 0; i < 3; i++) // R and T of X_projector = R X_camera + T
+            for (int k = 0; k < 4; k++) {
+                to_projector[4 * i + k] = 0;
+                for (int j = 0; j < 3; j++)
+                    to_projector[4 * i + k] +=
+                        (double)p[4 * j + i] *
+                        (k < 3 ? (double)c[4 * j + k] : (double)(c[4 * j + 3] - p[4 * j + 3]));
+            }
+        for (int i = 0; i < 3; i++) // taken for the projector's pose beside the camera
+            for (int k = 0; k < 4; k++) {
+                pose[4 * i + k] = k == 3 ? (double)c[4 * i + 3] : 0;
+                for (int j = 0; j < 3; j++) pose[4 * i + k] += (double)c[4 * i + j] * to_projector[4 * j + k];
+            }
+        for (int i = 0; i < 12; i++) view->projector.pose[i] = (real)pose[i];
+    }
+    must_name(FFP_RULE_PROJECTOR_INVERTED, NULL);
+}
+
 static void two_views_exchanged(void **state) {
     (void)state;
     exchange_photographs(&capture.views[VIEW], &capture.views[OTHER]);
@@ -286,6 +324,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(nothing_is_wrong, setup, teardown),
         cmocka_unit_test_setup_teardown(one_view_turned_or_mirrored, setup, teardown),
+        cmocka_unit_test_setup_teardown(three_views_upside_down, setup, teardown),
+        cmocka_unit_test_setup_teardown(motion_from_projector_to_camera, setup, teardown),
         cmocka_unit_test_setup_teardown(all_views_mirrored, setup, teardown),
         cmocka_unit_test_setup_teardown(two_views_exchanged, setup, teardown),
         cmocka_unit_test_setup_teardown(a_turntable_that_turned_the_other_way, setup, teardown),
