@@ -63,11 +63,15 @@ FFP_FORMULA void ffp_decode_frame(const FfpParameters *p, int64_t i, const FfpGa
     ffp_unit_quaternion(n->rotation + 4 * i, out->rotation + 4 * i);
 }
 
+FFP_FORMULA real ffp_deviation_of(real number, real most) {
+    return fmin(ffp_exp(number), most);
+}
+
 FFP_FORMULA void ffp_decode(const FfpParameters *p, int64_t i, const FfpGaussians *out) {
     const FfpGaussians *n = &p->numbers;
     for (int k = 0; k < 3; k++) {
         const int64_t at = 3 * i + k;
-        out->scale[at] = ffp_exp(n->scale[at]);
+        out->scale[at] = ffp_deviation_of(n->scale[at], p->most * p->unit[i]);
         out->albedo[at] = ffp_number_sigmoid(n->albedo[at]);
         out->ambient[at] = ffp_number_sigmoid(n->ambient[at]);
     }

@@ -1,4 +1,5 @@
 #include "engine/refine/parameters.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "core/base/arena.h"
@@ -7,13 +8,16 @@
 #include "engine/refine/maps.h"
 #include "engine/refine/table.h"
 
+#define GROWTH_MOST 3
+
 FfpParameters ffp_parameters_new(const FfpGaussians *gaussians, bool local, bool flat) {
     const size_t count = (size_t)gaussians->count;
     FfpParameters p = {.numbers = ffp_gaussians_new(gaussians->count),
                        .origin = ffp_memory_new(count + 1, 3 * sizeof(real)),
                        .frame = ffp_memory_new(count + 1, 4 * sizeof(real)),
                        .unit = ffp_memory_new(count + 1, sizeof(real)),
-                       .flat = flat};
+                       .flat = flat,
+                       .most = local ? GROWTH_MOST : INFINITY};
     if (ffp_device())
         ffp_device()->refine->encode(gaussians, local, &p);
     else

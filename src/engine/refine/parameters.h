@@ -12,17 +12,21 @@ typedef struct FfpRates {      // of each attribute
     real shared_roughness;     // Adam's of the number that all roughness logits share; 0: there is none
 } FfpRates;
 
-// Numbers have the shape of Gaussians: centre = origin + unit * R(frame) number; scale = exp; rotation =
-// number / length; opacity, albedo, ambient = sigmoid; roughness = 0.05 + 0.95 sigmoid. Of a flat set the
-// third deviation is a twentieth of the smaller of the others, and has no number of its own.
+// Numbers have the shape of Gaussians: centre = origin + unit * R(frame) number; scale = exp,
+// at most `most` units; rotation = number / length; opacity, albedo, ambient = sigmoid; roughness = 0.05 +
+// 0.95 sigmoid. Of a flat set the third deviation is a twentieth of the smaller of the others, and has no
+// number of its own.
 typedef struct FfpParameters {
     FfpGaussians numbers;
     real *origin, *frame, *unit; // [count,3], [count,4] unit quaternions, [count]
     bool flat;
+    real most; // of a deviation, in units
 } FfpParameters;
 
 // Local: each centre is measured from where it is, along the splat's own axes, in its larger deviation's
-// units; otherwise in world axes and units from zero.
+// units, and no deviation grows to more than three times that one: what a single view sees does not say how
+// long a splat is along its rays, and from elsewhere it would be a needle. Otherwise in world axes and units
+// from zero, without bounds.
 FfpParameters ffp_parameters_new(const FfpGaussians *gaussians, bool local, bool flat);
 void ffp_parameters_free(FfpParameters *parameters);
 void ffp_parameters_decode(const FfpParameters *parameters, FfpGaussians *out); // out has the same count

@@ -173,6 +173,14 @@ double ffp_photo_loss_psnr(FfpPhotoLoss *v, const FfpGaussians *gaussians) {
     return sum / n;
 }
 
+#define HOLD_SCALE 0.1F // of a camera's pixel on the pattern, were both devices equally far from the surface
+
+static void hold(const FfpPhotoLoss *v, Hand *hand, const FfpView *view, FfpFitLoss *loss) {
+    const real scale = HOLD_SCALE * view->projector.fx / view->camera.fx;
+    ffp_loss_add(&loss->maps, 1,
+                 (double)ffp_view_pass_hold(hand->pass, &view->correspondence, scale, v->settings->hold));
+}
+
 // The pattern whose turn it is among the codes that the view has; -1: none.
 static int code_in_turn(const FfpPhotoLoss *v, const FfpFitView *l) {
     if (v->coded[l->view] == 0) return -1;
@@ -203,6 +211,7 @@ static void look(FfpPhotoLoss *v, Hand *hand, const FfpGaussians *gaussians, con
         if (!one || nth == turn) compare(v, hand, p, target, share_of(v, p, shown, code), counts, l->loss);
         nth++;
     }
+    if (v->settings->hold > 0 && view->correspondence.data && !ffp_device()) hold(v, hand, view, l->loss);
     regularise(v, hand, view, l->step, l->loss);
     ffp_view_pass_backward(hand->pass, l->grad);
 }

@@ -51,6 +51,7 @@ static void cut(FfpView *view, int n_patterns, const Window *w) {
     camera->height = w->y1 - w->y0;
     view->frame_width = view->frame_height = 0;
     cut_image(&view->coverage, w);
+    cut_image(&view->correspondence, w);
     for (int p = 0; p < n_patterns; p++) cut_image(&view->images[p], w);
 }
 

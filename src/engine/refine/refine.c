@@ -67,6 +67,7 @@ FfpRefineSettings ffp_polish_defaults(int64_t steps) {
     s.beta2 = 0.9F;
     s.coupled = true;
     s.distortion = 0.3F;
+    s.hold = 0.01F;
     s.pairs = true;
     s.shadow_looks = 4;
     s.steps = steps;
@@ -298,8 +299,8 @@ static bool choose(Fit *fit, const FfpGaussians *before) {
     const bool clear = fit->settings->growth || fit->best_psnr > fit->first_psnr + CLEAR_GAIN;
     FfpGaussians mean = {0};
     if (mean_is_due(fit)) {
-        const FfpParameters numbers = {fit->mean, fit->parameters.origin, fit->parameters.frame,
-                                       fit->parameters.unit, fit->parameters.flat};
+        FfpParameters numbers = fit->parameters;
+        numbers.numbers = fit->mean;
         copy(&mean, &fit->best);
         ffp_parameters_decode(&numbers, &mean);
     }

@@ -32,6 +32,7 @@ typedef struct FfpRefineSettings {
     bool coupled;               // centres move by ffp_adam_coupled (adam.h); with growth they do not
     real l1, square, ssim, mask, roughness_smooth, normal_smooth, distortion; // weights of the loss terms
     int64_t distortion_from;                                                  // step
+    real hold;   // weight of the term that holds pixels to the places that Gray codes found; on the CPU
     real smooth; // share by which a step draws displacements along the normal towards the neighbours' mean
     double mean; // share of the budget, its end, over which the numbers are averaged: that is then the result
     double mean_late; // their weights grow nearly as the step's number in that share to this power; 0: equal

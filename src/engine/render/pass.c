@@ -4,6 +4,7 @@
 #include "core/base/arena.h"
 #include "core/base/call.h"
 #include "core/base/device.h"
+#include "engine/render/hold.h"
 #include "engine/render/resolve.h"
 
 struct FfpViewPass {
@@ -223,6 +224,13 @@ void ffp_view_pass_shade_backward(FfpViewPass *pass, const real intensity[3], co
     ffp_view_pass_resolve_backward(pass, &pass->linear, grad_picture, &pass->grad_linear);
     ffp_view_pass_radiance_backward(pass, intensity, pattern, &pass->grad_linear, grad_intensity,
                                     grad_pattern);
+}
+
+real ffp_view_pass_hold(FfpViewPass *pass, const FfpImage *positions, real scale, real weight) {
+    ffp_view_pass_grad_gbuffer(pass); // makes grad_transport
+    pass->grad_lit = true;
+    return ffp_hold_places(&pass->transport, pass->settings.samples, positions, scale, weight,
+                           &pass->grad_transport);
 }
 
 void ffp_view_pass_backward(FfpViewPass *pass, FfpGaussians *grad) {

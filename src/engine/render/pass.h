@@ -55,6 +55,9 @@ void ffp_view_pass_resolve_backward(FfpViewPass *pass, const FfpImage *linear, c
 void ffp_view_pass_radiance_backward(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
                                      const FfpImage *grad_linear, real grad_intensity[3],
                                      FfpSummed *grad_pattern);
+// ffp_hold_places (hold.h) of the view drawn last, which has been shaded under a pattern. Its gradient is
+// gathered like a picture's. On the CPU alone.
+real ffp_view_pass_hold(FfpViewPass *pass, const FfpImage *positions, real scale, real weight);
 // All that was gathered since the draw, ADDED to grad (as many as the Gaussians drawn). Once a draw, or once
 // for each time that the gathered gradients are forgotten.
 void ffp_view_pass_backward(FfpViewPass *pass, FfpGaussians *grad);

@@ -468,6 +468,21 @@ static void check_neighbours(const real *points, int count, int k, int i, const 
     }
 }
 
+static void test_splats_do_not_become_needles(void **state) {
+    (void)state;
+    FfpGaussians g = ball(), out = ffp_gaussians_new(g.count);
+    for (int local = 0; local < 2; local++) {
+        FfpParameters p = ffp_parameters_new(&g, local, false);
+        p.numbers.scale[0] += 0.5F, p.numbers.scale[5] += 5;
+        ffp_parameters_decode(&p, &out);
+        assert_float_equal(out.scale[0], 0.05 * exp(0.5), 1e-5);
+        assert_float_equal(out.scale[5], local ? 3 * 0.05 : 0.005 * exp(5), 1e-3); // the third of the second
+        ffp_parameters_free(&p);
+    }
+    ffp_gaussians_free(&g);
+    ffp_gaussians_free(&out);
+}
+
 static void test_neighbours_are_those_of_brute_force(void **state) {
     (void)state;
     enum { COUNT = 500, K = 5 };
@@ -560,6 +575,7 @@ int main(void) {
         cmocka_unit_test(test_stopping_keeps_the_start_and_limits_are_asked_for),
         cmocka_unit_test(test_numbers_go_there_and_back),
         cmocka_unit_test(test_neighbours_are_those_of_brute_force),
+        cmocka_unit_test(test_splats_do_not_become_needles),
         cmocka_unit_test(test_a_fit_that_loses_is_dropped),
         cmocka_unit_test(test_a_quiet_fit_tells_nothing),
     };

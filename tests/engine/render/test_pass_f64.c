@@ -143,11 +143,51 @@ static void test_four_samples(void **state) {
     check_pass(4);
 }
 
+typedef struct HoldCase {
+    PassCase c;
+    FfpSummed light;
+    FfpImage positions;
+} HoldCase;
+
+static double hold_loss(void *context) {
+    HoldCase *h = context;
+    ffp_view_pass_draw(h->c.pass, &h->c.gaussians, &h->c.camera, &h->c.projector);
+    ffp_view_pass_shade(h->c.pass, h->c.intensity, &h->light, &h->c.picture);
+    return (double)ffp_view_pass_hold(h->c.pass, &h->positions, 2, 3);
+}
+
+// Places near and far, and unknown ones.
+static void test_places_are_held(void **state) {
+    (void)state;
+    HoldCase h = {.c = pass_case(2), .positions = ffp_image_new(WIDTH, HEIGHT, 3)};
+    FfpRng rng = ffp_rng(4, 1);
+    h.light = ffp_summed_new(&h.c.pattern);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        real *p = h.positions.data + 3 * i;
+        p[0] = between(&rng, 0, PATTERN_WIDTH), p[1] = between(&rng, 0, PATTERN_HEIGHT), p[2] = i % 5 > 0;
+    }
+    FfpGaussians grad = ffp_gaussians_new(h.c.gaussians.count);
+    assert_true(hold_loss(&h) > 0.1);
+    ffp_view_pass_backward(h.c.pass, &grad);
+    Field fields[7], analytic[7];
+    gaussian_fields(&h.c.gaussians, fields);
+    gaussian_fields(&grad, analytic);
+    for (int k = 0; k < 7; k++) check_field("held", &fields[k], analytic[k].data, hold_loss, &h);
+    double most = 0;
+    for (int64_t i = 0; i < 3 * grad.count; i++) most = fmax(most, fabs((double)grad.centre[i]));
+    assert_true(most > 1e-2);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) h.positions.data[3 * i + 2] = 0;
+    assert_true(hold_loss(&h) == 0);
+    ffp_gaussians_free(&grad);
+    ffp_image_free(&h.positions);
+    ffp_summed_free(&h.light);
+    pass_case_free(&h.c);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_sample),
-        cmocka_unit_test(test_two_samples),
-        cmocka_unit_test(test_three_samples),
+        cmocka_unit_test(test_one_sample),    cmocka_unit_test(test_two_samples),
+        cmocka_unit_test(test_three_samples), cmocka_unit_test(test_places_are_held),
         cmocka_unit_test(test_four_samples),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -16,7 +16,9 @@ void FFP_K(decode)(const FfpParameters *p, int64_t begin, int64_t count, const F
     const int64_t colours = 3 * begin;
     const real *restrict log_scale = n->scale + colours, *restrict rough = n->roughness + begin;
     real *restrict scale = out->scale + colours, *restrict roughness = out->roughness + begin;
-    for (int64_t i = 0; i < 3 * count; i++) scale[i] = ffp_exp(log_scale[i]);
+    for (int64_t i = 0; i < count; i++)
+        for (int64_t at = 3 * i; at < 3 * i + 3; at++)
+            scale[at] = ffp_deviation_of(log_scale[at], p->most * p->unit[begin + i]);
     for (int64_t i = 0; i < count; i++) roughness[i] = ffp_roughness_of(rough[i]);
     sigmoids(n->albedo + colours, out->albedo + colours, 3 * count);
     sigmoids(n->ambient + colours, out->ambient + colours, 3 * count);
