@@ -19,6 +19,7 @@
 #include "rig/masks/stage_masks.h"
 
 #define MISFIT_LEAST 0.12 // of the pixels, which contradict the other views' masks: those show a wall
+#define LATE_TIMES 1.5    // brighter than under white: what must be white itself
 #define LIT_LEAST 0.5     // of what is lit that must stay the same
 #define MISFIT_MORE 0.01  // by which masks of all light may contradict each other more than others
 #define LACKING_MOST 0.02 // of the masks' pixels, which all light does not show
@@ -42,6 +43,29 @@ static bool load_mask(FfpImporting *import, int stop, FfpError *err) {
     return true;
 }
 
+static double mean_of(const FfpImage *rgb) {
+    const ptrdiff_t values = 3 * (ptrdiff_t)rgb->width * rgb->height;
+    double sum = 0;
+    for (ptrdiff_t i = 0; i < values; i++) sum += (double)rgb->data[i];
+    return sum / (double)values;
+}
+
+// White adds no light: where the photograph after it is the light one, all are a pattern late.
+static bool tell_late(const FfpImporting *import, int stop, FfpError *err) {
+    const FfpShots *shots = &import->shots;
+    const FfpImage *images = import->capture.views[stop].images;
+    const char *const *files = shots->pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
+    for (int p = 0; p < shots->n_patterns; p++) {
+        if (p == shots->white || p == shots->black || !images[p].data) continue;
+        if (mean_of(&images[p]) > LATE_TIMES * mean_of(&images[shots->white]))
+            return ffp_fail_by(
+                FFP_RULE_ONE_LATE,
+                &(FfpFacts){.a = ffp_basename(files[shots->white]), .b = ffp_basename(files[p])},
+                files[shots->white], err);
+    }
+    return false;
+}
+
 // The mask as it was asked for: later, from the empty stage; a file; otherwise the white picture's alpha
 // channel, unless Otsu's was named; otherwise Otsu's. Pictures that are over black by an alpha channel of
 // their own are left alone in the second case.
@@ -62,7 +86,7 @@ bool ffp_importing_cover(FfpImporting *import, int stop, const FfpImage *alphas,
         const char *path = shots->pictures[stop * FFP_PATTERNS_MAX + shots->white];
         if (!ffp_mask_otsu(&view->coverage, &import->holes[stop], &view->images[shots->black],
                            &view->images[shots->white], path, err)) {
-            return false;
+            return tell_late(import, stop, err);
         }
         import->made[stop] = true; // and applied when it is complete
     }
