@@ -11,7 +11,7 @@
 #define LIT_MIN 0.02      // of white's light above black's, linear
 #define OUTLIER 0.25      // squared errors count as no more than this one's square
 #define EDGE_MIN 0.02     // change of the pattern's mean over one pixel of the camera: where blur shows
-#define GAIN_MIN 0.98     // of the error without blur: more is no evidence
+#define GAIN_MIN 0.98     // of the error without blur: a smaller gain proves nothing
 #define TRUSTED 0.5       // matching's confidence, where there are no codes
 #define SAMPLES_MAX 20000 // of a pattern
 #define SAMPLES_MIN 500   // pixels at edges
