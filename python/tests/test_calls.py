@@ -275,3 +275,11 @@ def test_the_calibration_matrix(capture: ffp.Capture) -> None:
         pytest.approx(camera.fx * 0.05 + camera.cx),
         pytest.approx(camera.cy - camera.fy * 0.1),
     )
+
+
+def test_a_check_gives_findings(capture: ffp.Capture) -> None:
+    found = {finding.code: finding for finding in capture.check()}
+    silhouettes = found["silhouettes"]
+    assert silhouettes.severity == "ok" and silhouettes.figure is not None and silhouettes.figure < (silhouettes.limit or 0)
+    assert all(finding.advice for finding in found.values() if finding.severity == "doubt")
+    assert found["surfaces"].figure is None and found["surfaces"].view is None
