@@ -16,6 +16,7 @@ function say(text) {
 const studio = {state: null, gone: false, listeners: []};
 
 function accept(state) {
+  if (state.version === undefined) return studio.state; // nothing new
   studio.state = state;
   for (const listener of studio.listeners) listener(state);
   return state;
@@ -43,22 +44,25 @@ async function attempt(work) {
 }
 
 async function refresh() {
-  const answer = await fetch('state');
-  accept(await answer.json());
-}
-
-// Every change is told as it happens; a connection that ends is made again by the browser.
-function follow() {
-  const events = new EventSource('events');
-  events.onmessage = ({data}) => {
-    accept(JSON.parse(data));
+  const known = studio.state ? studio.state.version : 0;
+  try {
+    const answer = await fetch('state?known=' + known);
+    if (!answer.ok) throw new Error(await answer.text());
+    accept(await answer.json());
     if (studio.gone) say('The studio is there again.');
     studio.gone = false;
-  };
-  events.onerror = () => {
+  } catch {
     if (!studio.gone) say('The studio does not answer: it has ended. Start it again with the same folder; nothing is lost.');
     studio.gone = true;
-  };
+  }
+}
+
+async function follow() {
+  for (;;) {
+    await refresh();
+    const busy = studio.state && (studio.state.job.end === 'running' || studio.state.active);
+    await sleep(document.hidden ? 2000 : busy ? 200 : 600);
+  }
 }
 
 async function textOf(path) {

@@ -160,13 +160,8 @@ json_t *ffp_studio_read_json(const FfpStudio *studio, const char *path) {
     return value;
 }
 
-void ffp_studio_told(FfpStudio *studio) {
-    studio->version++;
-    if (studio->wake) studio->wake(studio);
-}
-
 void ffp_studio_changed(FfpStudio *studio) {
+    studio->version++;
     json_decref(studio->listed);
     studio->listed = NULL;
-    ffp_studio_told(studio);
 }

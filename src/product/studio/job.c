@@ -197,7 +197,7 @@ static void listen_to(FfpStudio *studio, FfpStudioJob *job, const int from[PIPES
             if (got <= 0) waiting[k].fd = -1;
             pthread_mutex_lock(&studio->lock);
             if (got > 0) hear(job, &lines[k], k, bytes, (size_t)got);
-            ffp_studio_told(studio); // of nothing in the folder
+            studio->version++; // of nothing in the folder
             pthread_mutex_unlock(&studio->lock);
         }
     }

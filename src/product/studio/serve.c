@@ -115,87 +115,6 @@ static const char *refusal(const FfpStudio *studio, struct MHD_Connection *conne
     return behind_key(studio, url) ? NULL : "the address lacks its key: open the one that the studio printed";
 }
 
-// --- Every change is sent to the pages, by server-sent events (HTML standard, 9.2). ---
-
-typedef struct FfpStudioStream {
-    FfpStudio *studio;
-    struct MHD_Connection *connection;
-    uint64_t told; // version
-    char *text;    // on its way
-    size_t size, sent;
-    bool waits; // suspended until something changes
-    struct FfpStudioStream *next;
-} Stream;
-
-static void wake_streams(FfpStudio *studio) {
-    for (Stream *s = studio->streams; s; s = s->next) {
-        if (s->waits) MHD_resume_connection(s->connection);
-        s->waits = false;
-    }
-}
-
-static char *event_of(FfpStudio *studio) {
-    json_t *state = ffp_studio_state(studio);
-    char *json = state ? json_dumps(state, JSON_COMPACT) : NULL, *text = NULL;
-    if (json && asprintf(&text, "data: %s\n\n", json) < 0) text = NULL;
-    json_decref(state);
-    free(json);
-    return text;
-}
-
-static ssize_t next_event(void *argument, uint64_t position, char *to, size_t room) {
-    Stream *s = argument;
-    ssize_t count = 0;
-    (void)position;
-    pthread_mutex_lock(&s->studio->lock);
-    if (s->sent == s->size && s->told != s->studio->version) {
-        free(s->text);
-        s->text = event_of(s->studio);
-        s->size = s->text ? strlen(s->text) : 0, s->sent = 0;
-        s->told = s->studio->version;
-    }
-    if (s->sent < s->size) {
-        count = (ssize_t)(s->size - s->sent < room ? s->size - s->sent : room);
-        memcpy(to, s->text + s->sent, (size_t)count);
-        s->sent += (size_t)count;
-    } else if (s->studio->closing) {
-        count = MHD_CONTENT_READER_END_OF_STREAM;
-    } else {
-        s->waits = true;
-        MHD_suspend_connection(s->connection);
-    }
-    pthread_mutex_unlock(&s->studio->lock);
-    return count;
-}
-
-static void end_stream(void *argument) {
-    Stream *s = argument;
-    FfpStudio *studio = s->studio;
-    pthread_mutex_lock(&studio->lock);
-    for (Stream **at = &studio->streams; *at; at = &(*at)->next)
-        if (*at == s) {
-            *at = s->next;
-            break;
-        }
-    pthread_mutex_unlock(&studio->lock);
-    free(s->text);
-    free(s);
-}
-
-static enum MHD_Result answer_stream(FfpStudio *studio, struct MHD_Connection *connection) {
-    Stream *s = calloc(1, sizeof *s);
-    if (!s) return MHD_NO;
-    s->studio = studio, s->connection = connection;
-    struct MHD_Response *response =
-        MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, 1 << 16, next_event, s, end_stream);
-    if (!response) return free(s), MHD_NO;
-    pthread_mutex_lock(&studio->lock);
-    s->next = studio->streams, studio->streams = s;
-    ffp_studio_changed(studio); // a page that begins; those that are gone are noticed
-    pthread_mutex_unlock(&studio->lock);
-    return answer(connection, MHD_HTTP_OK, response, "text/event-stream");
-}
-
 // --- Files of the folder. ---
 
 static const char *type_of(const char *path) {
@@ -248,12 +167,14 @@ static enum MHD_Result answer_get(Server *server, struct MHD_Connection *connect
     if (!*path) return answer_page(connection, ffp_page_studio, ffp_page_studio_size);
     if (strcmp(path, "projector") == 0)
         return answer_page(connection, ffp_page_projector, ffp_page_projector_size);
-    if (strcmp(path, "events") == 0) return answer_stream(studio, connection);
     if (strncmp(path, "file/", 5) == 0) return answer_file(studio, connection, path + 5);
     if (strcmp(path, "state") != 0)
         return answer_text(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
+    const char *known = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "known");
     pthread_mutex_lock(&studio->lock);
-    json_t *state = ffp_studio_state(studio);
+    if (!known) ffp_studio_changed(studio); // a page that begins
+    const bool same = known && strtoull(known, NULL, 10) == studio->version;
+    json_t *state = same ? json_object() : ffp_studio_state(studio);
     pthread_mutex_unlock(&studio->lock);
     return answer_json(connection, MHD_HTTP_OK, state);
 }
@@ -396,12 +317,12 @@ static int listen_here(int *port) {
 }
 
 static struct MHD_Daemon *start(Server *server, int listening) {
-    return MHD_start_daemon(MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME, 0,
-                            NULL, NULL, handle, server, MHD_OPTION_LISTEN_SOCKET, listening,
-                            MHD_OPTION_CONNECTION_LIMIT, (unsigned)CONNECTIONS_MOST,
-                            MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)PATIENCE, MHD_OPTION_NOTIFY_COMPLETED,
-                            completed, server, MHD_OPTION_UNESCAPE_CALLBACK, keep_escapes, NULL,
-                            MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)1 << 15, MHD_OPTION_END);
+    return MHD_start_daemon(MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_EPOLL, 0, NULL, NULL, handle, server,
+                            MHD_OPTION_LISTEN_SOCKET, listening, MHD_OPTION_CONNECTION_LIMIT,
+                            (unsigned)CONNECTIONS_MOST, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)PATIENCE,
+                            MHD_OPTION_NOTIFY_COMPLETED, completed, server, MHD_OPTION_UNESCAPE_CALLBACK,
+                            keep_escapes, NULL, MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)1 << 15,
+                            MHD_OPTION_END);
 }
 
 // Without a browser to be found nothing is opened: the address is printed anyway.
@@ -441,7 +362,6 @@ bool ffp_studio_serve(FfpStudio *studio, bool opens, char said[FFP_STUDIO_SAID])
     raise_limit();
     const int signals = signalfd(-1, &ends, SFD_CLOEXEC);
     const int listening = listen_here(&studio->port); // known before the first request comes
-    studio->wake = wake_streams;
     struct MHD_Daemon *daemon = signals >= 0 && listening >= 0 ? start(&server, listening) : NULL;
     if (daemon) {
         snprintf(address, sizeof address, "http://127.0.0.1:%d/%s/", studio->port, studio->token);
@@ -454,7 +374,6 @@ bool ffp_studio_serve(FfpStudio *studio, bool opens, char said[FFP_STUDIO_SAID])
     }
     pthread_mutex_lock(&studio->lock);
     studio->closing = true;
-    ffp_studio_told(studio); // its pages' streams end
     pthread_mutex_unlock(&studio->lock);
     if (daemon)
         MHD_stop_daemon(daemon); // closes the socket, too

@@ -75,9 +75,7 @@ typedef struct FfpStudio {
     char notice[FFP_STUDIO_SAID];
     int shown; // number of the shot whose pattern is on the projector, where a camera fills a folder; -1:
                // none
-    FfpStudioJob job, camera, eye;   // what the user began; the virtual camera; what looks for the board
-    struct FfpStudioStream *streams;         // pages to which every change is sent (serve.c),
-    void (*wake)(struct FfpStudio *studio); // and how; NULL: there are none yet
+    FfpStudioJob job, camera, eye; // what the user began; the virtual camera; what looks for the board
     bool closing;
 } FfpStudio;
 
@@ -108,8 +106,6 @@ void ffp_studio_free_names(char **names, int count);
 json_t *ffp_studio_read_json(const FfpStudio *studio,
                              const char *path); // NULL: none, or none that can be read
 
-// Something that the page is told has changed, but nothing in the folder. With the lock.
-void ffp_studio_told(FfpStudio *studio);
 // Something beside a job's progress has changed: the page is told, and what is in the folder is looked up
 // again. With the lock.
 void ffp_studio_changed(FfpStudio *studio);

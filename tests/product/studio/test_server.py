@@ -135,7 +135,7 @@ def strangers_are_refused(studio):
     for method in ("PUT", "DELETE", "OPTIONS", "TRACE", "CONNECT", "PATCH", "HEAD", "get"):
         assert studio.ask(method, "state")[0] in (400, 405), method
     # no Host at all, HTTP/1.0
-    assert b" 40" in studio.raw(f"GET /{studio.key}/state HTTP/1.0\r\n\r\n".encode()).split(b"\r\n")[0]
+    assert b" 40" in studio.raw(f"GET /{studio.key}/state?known=1 HTTP/1.0\r\n\r\n".encode()).split(b"\r\n")[0]
     headers = studio.raw(f"GET /{studio.key}/ HTTP/1.1\r\nHost: {here}\r\nConnection: close\r\n\r\n".encode()).split(b"\r\n\r\n")[0]
     for needed in (b"frame-ancestors 'none'", b"nosniff", b"no-referrer", b"no-store", b"Opener-Policy: same-origin"):
         assert needed in headers, needed
@@ -181,7 +181,7 @@ def bodies_are_bounded(studio):
         except OSError:
             pass
     assert sent < 1 << 24, "a request's body has no end"
-    assert b" 200 " not in studio.raw(f"GET /{studio.key}/state HTTP/1.1\r\n".encode() + b"X: " + b"y" * (1 << 17) + b"\r\n\r\n")
+    assert b" 200 " not in studio.raw(f"GET /{studio.key}/state?known=1 HTTP/1.1\r\n".encode() + b"X: " + b"y" * (1 << 17) + b"\r\n\r\n")
     assert studio.ask("GET", "state")[0] == 200
     grown = studio.memory() - before
     assert grown < 40, grown
@@ -238,7 +238,7 @@ def mangled_requests(studio, seconds):
     here = f"127.0.0.1:{studio.port}"
     body = json.dumps({"verb": "none", "settings": {"projector": [320, 200]}, "set": "calibration/attitude-00", "number": 1}).encode()
     seeds = [
-        f"GET /{studio.key}/state HTTP/1.1\r\nHost: {here}\r\n\r\n".encode(),
+        f"GET /{studio.key}/state?known=1 HTTP/1.1\r\nHost: {here}\r\n\r\n".encode(),
         f"GET /{studio.key}/file/studio.json HTTP/1.1\r\nHost: {here}\r\n\r\n".encode(),
         f"POST /{studio.key}/do HTTP/1.1\r\nHost: {here}\r\nOrigin: http://{here}\r\nContent-Length: {len(body)}\r\n\r\n".encode() + body,
         f"POST /{studio.key}/photograph?set=calibration/attitude-00&number=1 HTTP/1.1\r\nHost: {here}\r\nOrigin: http://{here}\r\n"
@@ -442,43 +442,19 @@ def jobs_end(studio):
     assert found["findings"] == [] and found["commands"][0].startswith("ffprocams patterns")
 
 
-class Stream:
-    """A page, to which the server sends what changes."""
-
-    def __init__(self, studio):
-        self.socket = socket.create_connection(("127.0.0.1", studio.port), timeout=30)
-        self.socket.sendall(f"GET /{studio.key}/events HTTP/1.1\r\nHost: 127.0.0.1:{studio.port}\r\n\r\n".encode())
-        self.lines = self.socket.makefile("rb")
-
-    def next(self):
-        line = b""
-        while not line.startswith(b"data: "):
-            line = self.lines.readline()
-            assert line, "the stream has ended"
-        return json.loads(line[6:])
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.socket.close()
-
-
 def the_folder_is_listed_when_something_changed(studio):
     """Not for every step of a job's progress; a page that begins is told what there is."""
     mine = studio.folder / "patterns/099_mine.png"
-    patterns = lambda: json.loads(studio.ask("GET", "state")[1])["patterns"]
-    before = patterns()
+    patterns = lambda path: json.loads(studio.ask("GET", path)[1])["patterns"]
+    before = patterns("state")
     mine.write_bytes(png())
-    assert patterns() == before
-    with Stream(studio) as page:
-        assert page.next()["patterns"] == [*before, mine.name]
-        mine.unlink()
-        assert mine.name in patterns()
-        assert studio.do(verb="cancel")[0] == 200
-        studio.do(verb="set", settings={"width": 128})
-        assert page.next()["settings"]["width"] == 128  # told without asking
-    assert patterns() == before
+    assert patterns("state?known=0") == before
+    assert patterns("state") == [*before, mine.name]
+    mine.unlink()
+    assert mine.name in patterns("state?known=0")
+    assert studio.do(verb="cancel")[0] == 200
+    studio.do(verb="set", settings={"width": 128})
+    assert patterns("state?known=0") == before
 
 
 def a_watched_folder(program, folder):
