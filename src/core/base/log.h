@@ -20,7 +20,7 @@ typedef struct FfpTask {
     FfpProgress before;
     double before_began; // of the task around this one
 } FfpTask;
-FfpTask ffp_task(const char *what, int64_t total); // 0: a stage that is not counted
+FfpTask ffp_task(const char *what, int64_t total);                        // 0: a stage that is not counted
 void ffp_task_step(const FfpTask *task, int64_t done, const char *extra); // extra may be NULL
 void ffp_task_end(const FfpTask *task);
 

@@ -125,7 +125,8 @@ static const FfpOption options[] = {
      .group = CALIBRATION,
      .help = "the calibration; may be repeated if it is in several files. Supported: OpenCV FileStorage "
              "(YAML, XML, JSON) from `ffprocams calibrate`, procam-calibration, single-shot-pro-cam-calib, "
-             "Moreno-Taubin, Calibrator, SLStudio, ROS, Kalibr and OpenCV's samples; params.yml of DeProCams; COLMAP's text model "
+             "Moreno-Taubin, Calibrator, SLStudio, ROS, Kalibr and OpenCV's samples; params.yml of "
+             "DeProCams; COLMAP's text model "
              "(its folder); transforms.json of nepmap; cameras.json and projector.json of GS-ProCams"},
     {.name = "projector-image",
      .argument = "NAME",
