@@ -949,9 +949,6 @@ typedef struct FfpImport {
     // position that each pixel's light comes from. Without any other pattern besides black and white, one of
     // the codes becomes the pattern. NULL: none.
     const char *gray_codes;
-    // Of these, how many photographs a view keeps for fits: codes whose stripes the capture's pixels resolve,
-    // and that are not the same as a pattern above or its inverse. 0 to 32; 0: none. Default: 8.
-    int kept_codes;
     // The stage without the object, photographed like the views under black, white and, better, every other
     // pattern: what looks like it is background. On a turntable one picture each serves all views; elsewhere
     // `files` tells views apart. None: masks as below. Not with FFP_MASKS_FROM_FILES.
@@ -961,6 +958,9 @@ typedef struct FfpImport {
     const char *mask_files;   // FFP_MASKS_FROM_FILES: as FfpImportImages.files, white on black
     const char *const *views; // ids to import; none: all
     int n_views;
+    // Of the Gray codes, how many photographs a view keeps for fits: those whose stripes the capture's pixels resolve,
+    // and that are not the same as a pattern above or its inverse. 0 to 32; 0: none. Default: 8.
+    int kept_codes;
     FfpCalibratedAt camera, projector;
     int width; // of the imported pictures; 0: unchanged. Sides are padded to multiples of 8 pixels
     // Estimate the projector's gamma and black level from the pictures, and convert the patterns to the light

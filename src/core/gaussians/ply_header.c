@@ -96,12 +96,16 @@ static bool starts_with(const char *line, const char *word) {
 
 // X Y Z within R, in world units.
 static bool read_baked(FfpBakedShadows *baked, const char *text) {
-    double light[3], within;
-    char rest[2];
-    if (sscanf(text, "%lf %lf %lf within %lf %1s", &light[0], &light[1], &light[2], &within, rest) != 4)
-        return false;
-    for (int k = 0; k < 3; k++) baked->light[k] = (real)light[k];
-    baked->within = (real)within;
+    static const char within[] = " within ";
+    char *end = NULL;
+    for (int k = 0; k < 3; k++, text = end) {
+        baked->light[k] = (real)strtod(text, &end);
+        if (end == text) return false;
+    }
+    if (strncmp(text, within, strlen(within)) != 0) return false;
+    text += strlen(within);
+    baked->within = (real)strtod(text, &end);
+    if (end == text || *end) return false;
     return isfinite(baked->light[0]) && isfinite(baked->light[1]) && isfinite(baked->light[2]) &&
            isfinite(baked->within) && baked->within > 0;
 }

@@ -33,8 +33,8 @@
 
 // One of the rig's numbers beside those of training: {a} found, {b} of training, {c} where it stops being ok.
 #define TRAINED(id, CODE, SUBJECT, UNIT, ADVICE)                                                             \
-    [id] = {CODE, SUBJECT, OK, NULL, 0, "{a} " UNIT " (trained: {b}{c})", NULL, NULL},                       \
-    [id + FFP_RULE_UNUSUAL - FFP_RULE_CAMERA_DISTANCE] = {                                                   \
+    [(id)] = {CODE, SUBJECT, OK, NULL, 0, "{a} " UNIT " (trained: {b}{c})", NULL, NULL},                     \
+    [(id) + FFP_RULE_UNUSUAL - FFP_RULE_CAMERA_DISTANCE] = {                                                 \
         CODE "-unusual", SUBJECT, DOUBT, NULL, 0, "{a} " UNIT " (trained: {b}{c})", ADVICE, NULL}
 
 static const FfpRule rules[FFP_RULES] = {

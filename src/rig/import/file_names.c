@@ -198,7 +198,7 @@ static int number_in(const char *path) {
     while (end > name && !isdigit((unsigned char)end[-1])) end--;
     const char *begin = end;
     while (begin > name && isdigit((unsigned char)begin[-1])) begin--;
-    return end > begin && end - begin < 9 ? atoi(begin) : -1;
+    return end > begin && end - begin < 9 ? (int)strtol(begin, NULL, 10) : -1;
 }
 
 // A view's files, fewer than its names, in their places; false: their numbers do not tell these.

@@ -305,6 +305,7 @@ def fake_camera(program, found, folder, first):
         page.click("[data-camera=browser]")
         page.wait("studio.state.settings.camera === 'browser'")
         page.run("doIt({verb: 'set', settings: {attitudes: 4}}).then(() => true)")
+        page.wait("studio.state.settings.attitudes === 4")  # what is drawn again after that is there
         page.click("#open-camera")
         page.wait("!!webcam.stream && document.getElementById('camera-held').textContent")
         assert page.run("document.getElementById('camera-size').textContent") == f"{size[0]} x {size[1]} pixels"

@@ -402,8 +402,7 @@ static void test_missing_photographs(void **state) {
     static const char *const cases[3] = {
         "mkdir gaps0 && cp photos/*.png gaps0 && rm gaps0/003.png gaps0/008.png gaps0/017.png",
         "mkdir gaps1 && cp photos/*.png gaps1 && rm gaps1/02[4567].png",
-        "mkdir gaps2 && n=0; for i in photos/*[02468].png; do cp $i gaps2/c$((100 + n)).png; n=$((n + 1)); "
-        "done"};
+        "mkdir gaps2 && n=100; for i in photos/*[02468].png; do cp $i gaps2/c$n.png; n=$((n + 1)); done"};
     for (int k = 0; k < 3; k++) {
         FfpCapture capture;
         char folder[16];
