@@ -958,8 +958,8 @@ typedef struct FfpImport {
     const char *mask_files;   // FFP_MASKS_FROM_FILES: as FfpImportImages.files, white on black
     const char *const *views; // ids to import; none: all
     int n_views;
-    // Of the Gray codes, how many photographs a view keeps for fits: those whose stripes the capture's pixels resolve,
-    // and that are not the same as a pattern above or its inverse. 0 to 32; 0: none. Default: 8.
+    // Of the Gray codes, how many photographs a view keeps for fits: those whose stripes the capture's pixels
+    // resolve, and that are not the same as a pattern above or its inverse. 0 to 32; 0: none. Default: 8.
     int kept_codes;
     FfpCalibratedAt camera, projector;
     int width; // of the imported pictures; 0: unchanged. Sides are padded to multiples of 8 pixels
