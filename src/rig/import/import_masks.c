@@ -50,14 +50,17 @@ static double mean_of(const FfpImage *rgb) {
     return sum / (double)values;
 }
 
-// White adds no light: where the photograph after it is the light one, all are a pattern late.
+// White adds no light: where the photograph after it is the light one, all are a pattern late, unless black
+// is light too: then these two are exchanged.
 static bool tell_late(const FfpImporting *import, int stop, FfpError *err) {
     const FfpShots *shots = &import->shots;
     const FfpImage *images = import->capture.views[stop].images;
     const char *const *files = shots->pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
+    const double white = mean_of(&images[shots->white]);
+    if (mean_of(&images[shots->black]) > LATE_TIMES * white) return false;
     for (int p = 0; p < shots->n_patterns; p++) {
         if (p == shots->white || p == shots->black || !images[p].data) continue;
-        if (mean_of(&images[p]) > LATE_TIMES * mean_of(&images[shots->white]))
+        if (mean_of(&images[p]) > LATE_TIMES * white)
             return ffp_fail_by(
                 FFP_RULE_ONE_LATE,
                 &(FfpFacts){.a = ffp_basename(files[shots->white]), .b = ffp_basename(files[p])},
