@@ -19,7 +19,7 @@
 #include "rig/masks/stage_masks.h"
 
 #define MISFIT_LEAST 0.12 // of the pixels, which contradict the other views' masks: those show a wall
-#define LATE_TIMES 1.5    // brighter than under white: what must be white itself
+#define LATE_TIMES 1.5    // brighter than any other photograph: what must be white itself
 #define LIT_LEAST 0.5     // of what is lit that must stay the same
 #define MISFIT_MORE 0.01  // by which masks of all light may contradict each other more than others
 #define LACKING_MOST 0.02 // of the masks' pixels, which all light does not show
@@ -50,23 +50,27 @@ static double mean_of(const FfpImage *rgb) {
     return sum / (double)values;
 }
 
-// White adds no light: where the photograph after it is the light one, all are a pattern late, unless black
-// is light too: then these two are exchanged.
+// White adds no light: where one photograph is lighter than all others, and clearly so, it is white's, and
+// all are a pattern late. With one pattern alone, that may as well be the pattern's own light.
 static bool tell_late(const FfpImporting *import, int stop, FfpError *err) {
     const FfpShots *shots = &import->shots;
     const FfpImage *images = import->capture.views[stop].images;
     const char *const *files = shots->pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
-    const double white = mean_of(&images[shots->white]);
-    if (mean_of(&images[shots->black]) > LATE_TIMES * white) return false;
+    double most = 0, next = 0;
+    int lightest = -1, shown = 0;
     for (int p = 0; p < shots->n_patterns; p++) {
-        if (p == shots->white || p == shots->black || !images[p].data) continue;
-        if (mean_of(&images[p]) > LATE_TIMES * white)
-            return ffp_fail_by(
-                FFP_RULE_ONE_LATE,
-                &(FfpFacts){.a = ffp_basename(files[shots->white]), .b = ffp_basename(files[p])},
-                files[shots->white], err);
+        if (!images[p].data) continue;
+        const double mean = mean_of(&images[p]);
+        next = fmax(next, fmin(mean, most));
+        if (mean > most) most = mean, lightest = p;
+        shown++;
     }
-    return false;
+    if (shown < 4 || lightest == shots->white || lightest == shots->black || !(most > LATE_TIMES * next))
+        return false;
+    return ffp_fail_by(
+        FFP_RULE_ONE_LATE,
+        &(FfpFacts){.a = ffp_basename(files[shots->white]), .b = ffp_basename(files[lightest])},
+        files[shots->white], err);
 }
 
 // The mask as it was asked for: later, from the empty stage; a file; otherwise the white picture's alpha
