@@ -132,7 +132,7 @@ static bool check_masks(FfpFindings *found, const FfpCapture *capture) {
 
 static bool check_lit(FfpFindings *found, const FfpCapture *capture, const FfpLights *lights) {
     for (int v = 0; v < capture->n_views; v++) {
-        const FfpLight *light = &lights->views[v];
+        const FfpObjectLight *light = &lights->views[v];
         const FfpFacts facts = {.view = capture->views[v].id,
                                 .figure = light->brightened / fmax(1, light->object)};
         if (light->object == 0) return ffp_found(found, FFP_RULE_MASK_EMPTY, &facts);
@@ -164,7 +164,7 @@ static bool check_light(FfpFindings *found, const FfpCapture *capture, int activ
         !check_repeated(found, capture, active))
         return false;
     FfpLights lights = ffp_rig_lights(capture, false);
-    const FfpLight *all = &lights.all;
+    const FfpObjectLight *all = &lights.all;
     bool ok = check_lit(found, capture, &lights);
     if (ok && active >= 0)
         ok = check_order(found, capture, capture->white, active) &&

@@ -53,10 +53,10 @@ typedef struct Lit {
     size_t count;
 } Lit;
 
-static FfpLight look_at_view(const FfpCapture *capture, const FfpView *view, bool reach, Lit *lit) {
+static FfpObjectLight look_at_view(const FfpCapture *capture, const FfpView *view, bool reach, Lit *lit) {
     const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
     float *values = ffp_alloc(pixels, sizeof *values);
-    FfpLight out = {0};
+    FfpObjectLight out = {0};
     size_t n = 0;
     for (size_t i = 0; i < pixels; i++) {
         const real *black = view->images[capture->black].data + 3 * i,
@@ -90,7 +90,7 @@ FfpLights ffp_rig_lights(const FfpCapture *capture, bool reach) {
         pixels += (size_t)capture->views[v].camera.width * (size_t)capture->views[v].camera.height;
     Lit lit = {ffp_alloc(pixels, sizeof *lit.white), ffp_alloc(pixels, sizeof *lit.share), 0};
     for (int v = 0; v < capture->n_views; v++) {
-        const FfpLight own = out.views[v] = look_at_view(capture, &capture->views[v], reach, &lit);
+        const FfpObjectLight own = out.views[v] = look_at_view(capture, &capture->views[v], reach, &lit);
         out.all.object += own.object, out.all.lit += own.lit, out.all.brightened += own.brightened;
         out.all.clipped += own.clipped, out.all.reversed += own.reversed, out.all.unreached += own.unreached;
         out.all.black += own.black, out.all.added += own.added;

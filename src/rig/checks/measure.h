@@ -6,7 +6,7 @@
 #include "core/image/lookup.h"
 
 // Light on the object, in linear values. Of a view, or the sums over all.
-typedef struct FfpLight {
+typedef struct FfpObjectLight {
     double object, lit;  // pixels: of the object; of these, to which white adds something in a channel,
     double brightened;   // to which it adds something in the mean,
     double clipped;      // at the limit under white,
@@ -14,9 +14,9 @@ typedef struct FfpLight {
     double unreached;    // lit where no light of the projector can be
     double black, added; // sums over the object: under black, and what white adds
     float bright;        // under white, brightest channel: 95 % of the object's pixels are darker
-} FfpLight;
+} FfpObjectLight;
 typedef struct FfpLights {
-    FfpLight *views, all;  // [n_views]
+    FfpObjectLight *views, all; // [n_views]
     float bright, ambient; // of all lit pixels: brightest channel under white, 95 % are darker; median share
                            // of it under black
 } FfpLights;
