@@ -4,7 +4,8 @@
 #include "core/base/real.h"
 
 #define ASPECT_TOLERANCE 0.005 // of a rescaled picture: sides are whole pixels
-#define SAMPLES_MAX 64         // a side; beyond that pictures are shrunk in a coarser way
+#define WIDEN_MOST 0.25 // of a side, on each end of it: a lens that bends more than that is not followed
+#define SAMPLES_MAX 64  // a side; beyond that pictures are shrunk in a coarser way
 
 // --- Sizes. ---
 
@@ -86,7 +87,11 @@ void ffp_optics_frame_all(const FfpOptics *optics, int border, FfpCamera *pinhol
             continue;
         const double at[2] = {(double)pinhole->cx + (double)pinhole->fx * ray[0],
                               (double)pinhole->cy + (double)pinhole->fy * ray[1]};
-        for (int k = 0; k < 2; k++) low[k] = fmin(low[k], at[k]), high[k] = fmax(high[k], at[k]);
+        const double side_pixels[2] = {pinhole->width, pinhole->height};
+        for (int k = 0; k < 2; k++) {
+            low[k] = fmin(low[k], fmax(at[k], -WIDEN_MOST * side_pixels[k]));
+            high[k] = fmax(high[k], fmin(at[k], (1 + WIDEN_MOST) * side_pixels[k]));
+        }
     }
     const int left = border + (int)ceil(-low[0]), top = border + (int)ceil(-low[1]);
     pinhole->width = left + border + (int)ceil(high[0]), pinhole->height = top + border + (int)ceil(high[1]);

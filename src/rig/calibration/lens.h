@@ -19,8 +19,8 @@ bool ffp_optics_settle(FfpOptics *optics, const FfpPictureSize *at, int width, i
                        const char *path, FfpError *err);
 // The pinhole camera that shows the same field at `width` pixels (0: as many as before). Pose not touched.
 void ffp_optics_pinhole(const FfpOptics *optics, int width, FfpCamera *pinhole);
-// Widens the pinhole's frame, at the same focal lengths, to hold all that the optics' picture shows and
-// `border` pixels around it.
+// Widens the pinhole's frame, at the same focal lengths, to hold all that the optics' picture shows, as far
+// as a quarter of a side beyond it, and `border` pixels around that.
 void ffp_optics_frame_all(const FfpOptics *optics, int border, FfpCamera *pinhole);
 // The largest whole number up to `most`, or 1, that divides both sides of the optics' pictures; and the
 // optics of pictures that have one pixel for so many, a side.

@@ -53,8 +53,8 @@ bool ffp_importing_find_axis(FfpImporting *import, FfpError *err);
 bool ffp_importing_keep_codes(FfpImporting *import, FfpError *err);
 // 10. Of the capture: the panel's response, the patterns' light, the intensity. Needs all before.
 bool ffp_importing_find_response(FfpImporting *import, FfpError *err);
-// 11. Of the capture: the blur of its projector, where Gray codes tell it, and the patterns filtered by it.
-// Needs the response.
+// 11. Of the capture: the blur of its projector, if the patterns' edges tell it, and the patterns filtered by
+// it. Needs the response.
 void ffp_importing_find_blur(FfpImporting *import);
 // 12. While the capture is written (ffp_capture_write_whole), `context` being the import: the response into
 // its JSON, the masks' contact sheet, and the masks that were made.
