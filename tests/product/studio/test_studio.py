@@ -59,13 +59,20 @@ class Page(browser.Browser):
         self.wait("document.readyState === 'complete' && !!window.ready")
 
     def click(self, selector):
-        """The middle of an element, by the mouse, where a person would press it, as soon as it can be pressed."""
-        self.wait(f"""(window.middle = (() => {{ const e = document.querySelector({json.dumps(selector)}); e.scrollIntoView({{block: 'center'}});
-            const r = e.getBoundingClientRect(), x = r.left + r.width / 2, y = r.top + r.height / 2;
-            return !e.disabled && e.contains(document.elementFromPoint(x, y)) ? [x, y] : null; }})()) !== null""")
-        x, y = self.run("window.middle")
-        self.mouse("mousePressed", x, y)
-        self.mouse("mouseReleased", x, y, buttons=0)
+        """The middle of an element, by the mouse, where a person would press it, as soon as it can be pressed; again
+        where the page moved under the mouse meanwhile."""
+        hit = False
+        while not hit:
+            self.wait(f"""(window.middle = (() => {{ const e = document.querySelector({json.dumps(selector)}); e.scrollIntoView({{block: 'center'}});
+                const r = e.getBoundingClientRect(), x = r.left + r.width / 2, y = r.top + r.height / 2;
+                if (e.disabled || !e.contains(document.elementFromPoint(x, y))) return null;
+                window.hit = false;
+                window.addEventListener('click', (event) => {{ window.hit = e.contains(event.target); }}, {{capture: true, once: true}});
+                return [x, y]; }})()) !== null""")
+            x, y = self.run("window.middle")
+            self.mouse("mousePressed", x, y)
+            self.mouse("mouseReleased", x, y, buttons=0)
+            hit = self.run("window.hit") is not False  # nothing where the click opened another page
 
     def shots(self, folder, name):
         """Screenshots of the whole page: wide and narrow, dark and light."""

@@ -341,6 +341,7 @@ def check_controls(check, page):
     overlay = "(() => { const c = viewer.overlay, d = bytesOf(c); let n = 0; for (let i = 3; i < d.length; i += 4) n += d[i] > 0; return n; })()"
     shown = page.run(overlay)
     page.key("x")
+    page.settle()  # drawn with the next frame
     check("X hides the frusta", shown > 500 and page.run(overlay) == 0, f"{shown} pixels of them")
     page.key("x")
     page.run("viewer.setProjectorPose(turnPose(viewer.projector.device.pose, axisOf(viewer.projector.device.pose, 0), 0.3, positionOf(viewer.projector.device.pose)))")
