@@ -10,7 +10,7 @@
 #include "core/base/file.h"
 #include "engine/loss/metrics.h"
 #include "engine/pipeline/relight.h"
-#include "rig/calibration/matrix.h"
+#include "rig/optics/matrix.h"
 #include "world/shapes/mesh.h"
 #include "world/synth/synth.h"
 

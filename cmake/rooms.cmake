@@ -46,21 +46,27 @@ ffp_room(cuda IN cuda.cmake DEPS refine loss network render tensor image base)
 ffp_wing(rig) # from a bare projector and a camera to a capture
 # what can be wrong, in words: the rules, and how a finding is told
 ffp_room(findings DEPS base)
+# calibrations as other tools write them; lenses, and pictures without their distortion
+ffp_room(optics DEPS capture base LIBS PkgConfig::YAML PkgConfig::EXPAT PkgConfig::JANSSON
+         READERS calibration calibration_parts colmap document document_parts lens matrix nepmap opencv procams xml yaml)
 # photographs of Gray codes into positions on the projector's panel
-ffp_room(graycode DEPS findings patterns image numerics base)
-# calibrations and turntables as other tools write them
-ffp_room(calibration DEPS capture base LIBS PkgConfig::YAML PkgConfig::EXPAT PkgConfig::JANSSON
-         READERS calibration calibration_parts colmap document document_parts lens matrix nepmap opencv procams turntable xml yaml)
-# a turntable's axis from what is seen at its stops
-ffp_room(axis DEPS calibration match capture image numerics base)
+ffp_room(graycode DEPS findings optics match patterns image numerics base)
+# which file shows what: names, folders, and the photographs of everything that was shown
+ffp_room(shots DEPS findings graycode optics patterns capture image base READERS file_names)
+# a chessboard in several attitudes into the optics of camera and projector
+ffp_room(chessboard CALLS DEPS findings graycode shots optics capture image numerics base)
+# a turntable: its file, and its axis from what is seen at its stops, the object or a chessboard
+ffp_room(turntable DEPS findings chessboard shots optics match capture image numerics base READERS turntable)
 # the object told from what it stands on
 ffp_room(masks DEPS match graycode capture image numerics base)
 # what is wrong with a capture
 ffp_room(checks DEPS masks findings match capture image numerics base READERS explain)
-# photographs into captures
-ffp_room(import DEPS checks findings masks axis calibration match graycode patterns capture image numerics base READERS file_names)
-# chessboards and Gray codes into calibrations; a turntable's axis
-ffp_room(calibrate CALLS DEPS import findings axis calibration graycode patterns capture image numerics base)
+# what a projector makes of its pictures: their light, and how soft they are
+ffp_room(response DEPS match capture image numerics base)
+# photographs into captures: the order of the steps
+ffp_room(import DEPS response checks findings masks turntable shots graycode optics patterns capture image numerics base)
+# the rig's own calibration: the order of its steps, its files and report
+ffp_room(calibrate CALLS DEPS turntable chessboard optics capture base)
 
 ffp_wing(world) # objects and rigs that do not exist
 # shapes, generated or read, as meshes; solid noise

@@ -1,5 +1,5 @@
 // The picture sent to the real projector: the pattern at its panel's size, with the inverse of its lens distortion
-// (rig/calibration/lens.h has the formula) and of its gamma.
+// (rig/optics/lens.h has the formula) and of its gamma.
 uniform sampler2D u_pattern;
 uniform vec2 projector_focal, projector_principal, projector_size;
 uniform vec2 u_panel_focal, u_panel_principal;

@@ -1,6 +1,6 @@
 // Calibrations in one file: OpenCV's layouts in YAML, XML and JSON, camera_config.json, GS-ProCams' lists.
 #include "fuzz.h"
-#include "rig/calibration/calibration.h"
+#include "rig/optics/calibration.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const char *files[1] = {fuzz_file(data, size)};

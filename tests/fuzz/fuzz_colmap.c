@@ -2,7 +2,7 @@
 #define _GNU_SOURCE // memmem
 #include <string.h>
 #include "fuzz.h"
-#include "rig/calibration/calibration.h"
+#include "rig/optics/calibration.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     static const char line[] = "----\n";

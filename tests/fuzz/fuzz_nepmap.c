@@ -1,6 +1,6 @@
 // nepmap's transforms.json, with pictures beside it.
 #include "fuzz.h"
-#include "rig/calibration/calibration.h"
+#include "rig/optics/calibration.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const char *files[1] = {fuzz_neighbour("transforms.json", data, size)};

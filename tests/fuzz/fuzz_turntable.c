@@ -1,6 +1,6 @@
 // The turntable's axis and angles, in JSON or YAML.
 #include "fuzz.h"
-#include "rig/calibration/turntable.h"
+#include "rig/turntable/turntable.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     FfpTurntable turntable;

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "fuzz.h"
-#include "rig/calibration/document.h"
+#include "rig/optics/document.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     FfpError err = {0};

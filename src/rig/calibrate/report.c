@@ -7,7 +7,7 @@
 #include "core/base/rigid.h"
 #include "core/base/text.h"
 #include "rig/calibrate/calibrate.h"
-#include "rig/calibrate/terms.h"
+#include "rig/chessboard/terms.h"
 
 enum { CELLS_X = 16, CELLS_Y = 12 };
 #define ARROW 0.025 // of a picture's longer side: what a typical error is drawn as

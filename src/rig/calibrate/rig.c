@@ -5,8 +5,9 @@
 #include "core/base/alloc.h"
 #include "core/base/file.h"
 #include "rig/calibrate/calibrate.h"
-#include "rig/calibrate/terms.h"
-#include "rig/calibration/calibration.h"
+#include "rig/chessboard/chessboard.h"
+#include "rig/chessboard/terms.h"
+#include "rig/optics/calibration.h"
 
 enum { SIDE_MIN = 64, SIDE_MAX = 16384, BOARD_MIN = 3, BOARD_MAX = 100, ANGLES_MIN = 3 };
 

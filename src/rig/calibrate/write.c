@@ -9,7 +9,7 @@
 #include "core/base/text.h"
 #include "core/capture/node.h"
 #include "rig/calibrate/calibrate.h"
-#include "rig/calibrate/terms.h"
+#include "rig/chessboard/terms.h"
 
 typedef struct Writer {
     FILE *out;

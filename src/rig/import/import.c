@@ -4,7 +4,7 @@
 #include <tgmath.h>
 #include "core/base/file.h"
 #include "core/base/memory.h"
-#include "rig/import/codes.h"
+#include "rig/graycode/codes.h"
 #include "rig/import/import_steps.h"
 
 // Refuses what would not fit the machine's memory before any of it is taken: the result, and one source.

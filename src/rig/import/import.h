@@ -2,9 +2,9 @@
 #ifndef FFP_RIG_IMPORT_H
 #define FFP_RIG_IMPORT_H
 
-#include "rig/calibration/lens.h"
-#include "rig/calibration/turntable.h"
-#include "rig/import/pictures.h"
+#include "rig/optics/lens.h"
+#include "rig/shots/shots.h"
+#include "rig/turntable/turntable.h"
 
 #define FFP_CODES_MOST 32 // that are kept for fits
 

@@ -2,9 +2,9 @@
 #include <string.h>
 #include <tgmath.h>
 #include "core/base/log.h"
-#include "rig/axis/fit_axis.h"
 #include "rig/checks/measure.h"
 #include "rig/import/import_steps.h"
+#include "rig/turntable/fit_axis.h"
 
 #define MISFIT_MAX 0.1 // of the object's pixels, which an axis that is right leaves unexplained by the others
 

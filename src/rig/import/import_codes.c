@@ -3,7 +3,7 @@
 #include <string.h>
 #include "core/base/log.h"
 #include "rig/findings/tell.h"
-#include "rig/import/codes.h"
+#include "rig/graycode/codes.h"
 #include "rig/import/import_steps.h"
 
 #define PIXELS_LEFT 2.0

@@ -7,8 +7,8 @@
 #include "core/capture/manifest.h"
 #include "rig/checks/measure.h"
 #include "rig/findings/tell.h"
-#include "rig/import/blur.h"
 #include "rig/import/import_steps.h"
+#include "rig/response/blur.h"
 
 #define BETTER 0.99       // of the error without a response: what one must reach to be kept
 enum { HALVES_FROM = 4 }; // views, of which every other one is held out

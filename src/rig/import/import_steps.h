@@ -5,8 +5,8 @@
 #include "core/capture/capture.h"
 #include "core/image/photograph.h"
 #include "rig/import/import.h"
-#include "rig/import/response.h"
 #include "rig/masks/stage.h"
+#include "rig/response/response.h"
 
 #define FFP_IMPORT_READERS 4 // threads: each has a photograph in memory
 

@@ -9,7 +9,7 @@
 #include "core/base/rng.h"
 #include "core/image/image.h"
 #include "core/patterns/patterns.h"
-#include "rig/calibration/lens.h"
+#include "rig/optics/lens.h"
 #include "scratch.h"
 
 enum {

@@ -5,8 +5,8 @@
 #include <unistd.h>
 #include "board_rig.h"
 #include "ffprocams.h"
-#include "rig/calibration/calibration.h"
-#include "rig/calibration/turntable.h"
+#include "rig/optics/calibration.h"
+#include "rig/turntable/turntable.h"
 
 enum { ATTITUDES = 6, STOPS = 7 };
 static char notes[65536];

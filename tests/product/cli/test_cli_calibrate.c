@@ -3,7 +3,7 @@
 #include <math.h>
 #include "core/base/rigid.h"
 #include "product/cli/program.h"
-#include "rig/calibration/calibration.h"
+#include "rig/optics/calibration.h"
 
 static ProgramRun run;
 static bool without_opencv;

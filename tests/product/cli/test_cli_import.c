@@ -6,8 +6,8 @@
 #include "engine/loss/metrics.h"
 #include "engine/match/match.h"
 #include "product/cli/program.h"
-#include "rig/calibration/lens.h"
-#include "rig/calibration/matrix.h"
+#include "rig/optics/lens.h"
+#include "rig/optics/matrix.h"
 
 #define SAMPLE FFP_SOURCE_DIR "/data/sample"
 #define SIZES "--camera-size 128x128 --projector-size 800x800 "

@@ -1,6 +1,6 @@
 // What a calibration is read from and written to: photographs in order, names of any bytes, drawings.
-#include "attitudes.h"
-#include "rig/calibration/document.h"
+#include "rig/chessboard/attitudes.h"
+#include "rig/optics/document.h"
 #include "scratch.h"
 
 // A rig that is calibrated as it is in truth, whose first two attitudes have this name.

@@ -11,9 +11,9 @@
 #include "engine/match/coded.h"
 #include "engine/match/line.h"
 #include "engine/match/match.h"
-#include "rig/calibration/matrix.h"
 #include "rig/graycode/graycode.h"
 #include "rig/import/import.h"
+#include "rig/optics/matrix.h"
 #include "scratch.h"
 
 enum { WIDTH = 160, HEIGHT = 120, PANEL_WIDTH = 120, PANEL_HEIGHT = 90 };

@@ -10,8 +10,8 @@
 #include "core/base/rng.h"
 #include "core/base/vec.h"
 #include "core/image/lookup.h"
-#include "rig/calibration/matrix.h"
 #include "rig/import/import.h"
+#include "rig/optics/matrix.h"
 #include "short_of_memory.h"
 
 #define VIEWS 4

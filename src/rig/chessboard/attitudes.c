@@ -1,0 +1,197 @@
+// One attitude after another: black and white, the board, the codes.
+#include <stdio.h>
+#include <string.h>
+#include "core/base/alloc.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/image/photograph.h"
+#include "rig/chessboard/chessboard.h"
+#include "rig/chessboard/notes.h"
+#include "rig/findings/tell.h"
+#include "rig/graycode/graycode.h"
+
+// Text without the path to the attitude's folder, whose name stays.
+static void shorten_paths(char *text, const char *file, const char *folder) {
+    const size_t length = strlen(ffp_basename(file)) + strlen(folder) + 1, all = strlen(file);
+    const size_t before = all > length ? all - length : 0;
+    for (char *at; before > 0 && (at = strstr(text, file)) != NULL;)
+        memmove(at, at + before, strlen(at + before) + 1);
+}
+
+// An error of one attitude's pictures leaves that attitude out; all others end the call.
+static bool as_problem(FfpAttitude *a, const FfpShotFolder *folder, FfpError *error, FfpError *err) {
+    if (error->code == FFP_ERROR_FILE || error->code == FFP_ERROR_IO ||
+        error->code == FFP_ERROR_UNSUPPORTED) {
+        for (int i = 0; i < folder->n_files; i++) shorten_paths(error->text, folder->files[i], folder->name);
+        snprintf(a->problem, sizeof a->problem, "%s", error->text);
+        return true;
+    }
+    if (err) *err = *error;
+    return false;
+}
+
+// The size that most folders' photographs have counts; those of another are left out.
+static void settle_size(FfpRigFit *fit, FfpAttitude *a, const FfpImage *white) {
+    const FfpCvDevice *camera = &fit->devices[0];
+    char usual[40];
+    FfpError why = {0};
+    if (camera->width == white->width && camera->height == white->height) return;
+    snprintf(usual, sizeof usual, "%d x %d", camera->width, camera->height);
+    ffp_fail_by(FFP_RULE_TURNED_PICTURES, &(FfpFacts){.x = white->width, .y = white->height, .a = usual},
+                NULL, &why);
+    snprintf(a->problem, sizeof a->problem, "%s", why.text);
+}
+
+static bool read_codes(const FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *folder,
+                       const FfpGrayPhotographs *photographs, const FfpImage *white, FfpError *err) {
+    const int size[2] = {photographs->width, photographs->height};
+    FfpImage map, region = ffp_board_region(&fit->board, a, white->width, white->height);
+    FfpGrayReport report;
+    FfpError error = {0};
+    FfpGrayPhotographs of_board = *photographs;
+    of_board.region = &region;
+    const bool ok = ffp_gray_decode_view(&map, &report, &of_board, &error);
+    ffp_image_free(&region);
+    if (!ok) return as_problem(a, folder, &error, err);
+    a->clipped = report.clipped;
+    memcpy(a->dropped, report.dropped, sizeof a->dropped);
+    const bool done = ffp_board_project(&fit->board, &map, report.dropped, size, a, err);
+    ffp_image_free(&map);
+    return done;
+}
+
+// The white photograph as the corners' detector has it, off the cache.
+static FfpImage take_white(FfpGrayCache *cache) {
+    FfpImage white = {0};
+    for (int i = 0; i < cache->n && !white.data; i++) {
+        white = cache->files[i].luma;
+        cache->files[i].luma = (FfpImage){0};
+    }
+    return white;
+}
+
+static bool read_attitude(FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *folder, FfpImage *seen,
+                          FfpError *err) {
+    FfpGrayCache cache = {.n = 0}; // each photograph is read once
+    FfpGrayPhotographs photographs = {
+        .width = fit->devices[1].width, .height = fit->devices[1].height, .cache = &cache};
+    FfpError error = {0};
+    a->name = folder->name;
+    if (a->problem[0]) return true;
+    if (folder->problem) {
+        snprintf(a->problem, sizeof a->problem, "%s", folder->problem);
+        return true;
+    }
+    if (!ffp_gray_find_plain(&photographs, folder->files, folder->n_files, &error))
+        return as_problem(a, folder, &error, err);
+    FfpImage white = take_white(&cache);
+    settle_size(fit, a, &white);
+    bool ok = a->problem[0] || ffp_board_find(&fit->board, &white, a, err);
+    if (ok && !a->problem[0]) ok = read_codes(fit, a, folder, &photographs, &white, err);
+    ffp_gray_cache_free(&cache);
+    if (ok && a->n == 0 && !seen->data) {
+        *seen = white;
+    } else {
+        ffp_image_free(&white);
+    }
+    return ok;
+}
+
+// Fails if no folder shows the board.
+static bool check_seen(const FfpRigFit *fit, const FfpImage *unseen, FfpError *err) {
+    char guess[160] = "";
+    for (int i = 0; i < fit->n; i++)
+        if (fit->attitudes[i].n > 0) return true;
+    if (!unseen->data) return true; // nor had any of them photographs to look at, which is reported later
+    return ffp_board_guess(&fit->board, unseen, guess, err) &&
+           ffp_fail(err, FFP_ERROR_FILE, NULL,
+                    "no chessboard with %d x %d inner corners in any of %d attitudes%s (count corners where "
+                    "four squares meet; all of the board must be in the picture, with a light margin)",
+                    fit->board.columns, fit->board.rows, fit->n, guess);
+}
+
+// --- What most of the folders are like. ---
+
+typedef struct Kind { // of a folder's photographs
+    int width, height, orientation;
+    const char *other; // a photograph that is tagged otherwise than the first; NULL: none
+} Kind;
+
+static Kind kind_of(const FfpShotFolder *folder) {
+    Kind kind = {.orientation = 1};
+    FfpError none = {0};
+    if (folder->n_files == 0) return kind;
+    ffp_photograph_read_size(&kind.width, &kind.height, folder->files[0], &none);
+    kind.orientation = ffp_image_orientation(folder->files[0]);
+    for (int k = 1; k < folder->n_files && !kind.other; k++)
+        if (ffp_image_orientation(folder->files[k]) != kind.orientation) kind.other = folder->files[k];
+    return kind;
+}
+
+static int times(const Kind *kinds, int n, const Kind *like, bool tagged) {
+    int count = 0;
+    for (int i = 0; i < n; i++)
+        count += tagged ? kinds[i].orientation == like->orientation
+                        : kinds[i].width == like->width && kinds[i].height == like->height;
+    return count;
+}
+
+static const char *tag_words(int orientation) {
+    return orientation > 1 ? ffp_orientation_words(orientation) : "upright";
+}
+
+// Nothing turns between the photographs of a rig: tags that differ are the camera's error, and folders with
+// such have a problem. Sets the camera's size to that of most.
+static void settle_kinds(FfpRigFit *fit, const FfpShotFolders *folders) {
+    Kind *kinds = ffp_alloc((size_t)folders->n, sizeof *kinds), usual = {0}, tag = {0};
+    for (int i = 0; i < folders->n; i++) kinds[i] = kind_of(&folders->folders[i]);
+    for (int i = 0; i < folders->n; i++) {
+        if (i == 0 || times(kinds, folders->n, &kinds[i], false) > times(kinds, folders->n, &usual, false))
+            usual = kinds[i];
+        if (i == 0 || times(kinds, folders->n, &kinds[i], true) > times(kinds, folders->n, &tag, true))
+            tag = kinds[i];
+    }
+    fit->devices[0].width = usual.width, fit->devices[0].height = usual.height;
+    for (int i = 0; i < folders->n; i++) {
+        FfpError why = {0};
+        const FfpShotFolder *folder = &folders->folders[i];
+        if (kinds[i].other)
+            ffp_fail_by(FFP_RULE_TAGS_MIXED,
+                        &(FfpFacts){.a = ffp_basename(folder->files[0]),
+                                    .b = tag_words(kinds[i].orientation),
+                                    .c = ffp_basename(kinds[i].other)},
+                        NULL, &why);
+        else if (kinds[i].orientation != tag.orientation)
+            ffp_fail_by(FFP_RULE_TAGS_DIFFER,
+                        &(FfpFacts){.a = folder->name,
+                                    .b = tag_words(kinds[i].orientation),
+                                    .c = tag_words(tag.orientation)},
+                        NULL, &why);
+        snprintf(fit->attitudes[i].problem, sizeof fit->attitudes[i].problem, "%s", why.text);
+    }
+    ffp_free(kinds);
+}
+
+bool ffp_read_attitudes(FfpRigFit *fit, const FfpShotFolders *folders, FfpError *err) {
+    const FfpTask task = ffp_task("reading attitudes", folders->n);
+    FfpImage unseen = {0};
+    bool ok = true;
+    fit->n = folders->n;
+    fit->attitudes = ffp_alloc((size_t)folders->n, sizeof *fit->attitudes);
+    settle_kinds(fit, folders);
+    for (int i = 0; ok && i < folders->n; i++) {
+        ok = read_attitude(fit, &fit->attitudes[i], &folders->folders[i], &unseen, err);
+        ffp_task_step(&task, i + 1, NULL);
+    }
+    ffp_task_end(&task);
+    ok = ok && check_seen(fit, &unseen, err);
+    if (ok) ffp_note_photographs(fit);
+    ffp_image_free(&unseen);
+    return ok;
+}
+
+void ffp_rig_fit_free(FfpRigFit *fit) {
+    for (int i = 0; i < fit->n; i++) ffp_attitude_free(&fit->attitudes[i]);
+    ffp_free(fit->attitudes);
+    fit->attitudes = NULL, fit->n = 0;
+}

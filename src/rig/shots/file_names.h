@@ -1,0 +1,38 @@
+// Names of files with placeholders and *: one rule for photographs, Gray codes and masks.
+#ifndef FFP_RIG_FILE_NAMES_H
+#define FFP_RIG_FILE_NAMES_H
+
+#include "core/base/arena.h"
+#include "rig/optics/calibration.h"
+
+// Whether a comes before b when runs of digits count as numbers: "img_9" before "img_10".
+int ffp_natural_order(const char *a, const char *b);
+
+// Files in natural order, [n], of a camera whose numbers began again (9999, 0001): the part before that comes
+// first, with a note.
+void ffp_unwrap_numbers(const char **paths, int n);
+// Two of the files in natural order, [n], that differ in their ending alone, if one is a raw photograph: each
+// photograph exists twice. -1: there are none; otherwise the first of the two. *count: of such pairs.
+int ffp_find_twins(const char *const *paths, int n, int *count);
+
+// A file of every view under every name.
+typedef struct FfpFileSet {
+    const char *template;
+    const FfpCalibration *calibration; // its stops are the views
+    const char *const *names;          // [n_names] what {pattern} stands for; NULL: nothing, n_names is 1
+    int n_names;
+    const char *kind;  // for errors: "photographs"
+    const char *name;  // and what a name is of: "pattern"
+    const char *order; // and in which order they must be; "": as the names are
+    bool gaps;         // files may be missing: their paths are NULL
+} FfpFileSet;
+
+// The paths, [n_stops, n_names]; each is known to exist, unless there may be gaps. Which of a view's files
+// that match * are missing then tells the last number in their names; those after the last number are the
+// last, and where there are half as many as names and no number is left out, every second one is missing.
+// Placeholders are filled in first: {view}, {pattern}, {index} (from 0), {number} (from 1) and {number:3}
+// (with zeros). What they do not tell apart is given by *, whose files are taken in natural order: all names
+// of the first view, then of the second. ? and [...] are wildcards, too, where no file is called so.
+bool ffp_files_find(const char **paths, FfpArena *arena, const FfpFileSet *set, FfpError *err);
+
+#endif

@@ -1,0 +1,344 @@
+#include "rig/shots/shots.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "core/base/arena.h"
+#include "core/base/call.h"
+#include "core/base/file.h"
+#include "core/image/photograph.h"
+#include "rig/shots/file_names.h"
+
+// Settings, for errors.
+#define IMAGES "images"
+#define PATTERNS "patterns"
+#define HELD_OUT "held_out"
+#define EMPTY "empty"
+
+// --- Photographs under some patterns. ---
+
+typedef struct Group {
+    int patterns[FFP_PATTERNS_MAX], count;
+    const char *template;
+} Group;
+
+static int pattern_index(FfpShots *shots, const char *name, FfpError *err) {
+    for (int i = 0; i < shots->n_patterns; i++) {
+        if (strcmp(shots->patterns[i].name, name) == 0) return i;
+    }
+    if (!ffp_is_name(name) || shots->n_patterns == FFP_PATTERNS_MAX) {
+        ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "invalid pattern name '%.100s', or too many patterns",
+                 name);
+        return -1;
+    }
+    snprintf(shots->patterns[shots->n_patterns].name, FFP_NAME_MAX, "%s", name);
+    const bool black = strcmp(name, "black") == 0 || strcmp(name, "all_black") == 0;
+    const bool white = strcmp(name, "white") == 0 || strcmp(name, "all_white") == 0;
+    if ((black && shots->black >= 0) || (white && shots->white >= 0)) {
+        ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "'%s' is a second %s pattern", name,
+                 black ? "black" : "white");
+        return -1;
+    }
+    if (black) shots->black = shots->n_patterns;
+    if (white) shots->white = shots->n_patterns;
+    return shots->n_patterns++;
+}
+
+static bool read_group(FfpShots *shots, const FfpShotFiles *source, Group *group, FfpError *err) {
+    if (!source->files || source->files[0] == 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no file given");
+    if (source->n_patterns < 1 || source->n_patterns > FFP_PATTERNS_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "%d patterns for '%.100s': expected 1 to %d",
+                        source->n_patterns, source->files, FFP_PATTERNS_MAX);
+    group->template = source->files;
+    group->count = source->n_patterns;
+    for (int i = 0; i < source->n_patterns; i++) {
+        group->patterns[i] = pattern_index(shots, source->patterns[i], err);
+        if (group->patterns[i] < 0) return false;
+    }
+    return true;
+}
+
+static bool set_picture(FfpShots *shots, const FfpCalibration *calibration, int stop, int pattern,
+                        const char *path, FfpError *err) {
+    const char **place = &shots->pictures[stop * FFP_PATTERNS_MAX + pattern];
+    if (*place)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "view '%s' has two pictures under '%s'",
+                        calibration->stops[stop].id, shots->patterns[pattern].name);
+    *place = path;
+    return true;
+}
+
+static bool find_group(FfpShots *shots, const Group *group, const FfpCalibration *calibration,
+                       FfpError *err) {
+    const int n = group->count, all = calibration->n_stops * n;
+    const char **names = ffp_arena_alloc(shots->arena, (size_t)n, sizeof *names),
+               **paths = ffp_arena_alloc(shots->arena, (size_t)all, sizeof *paths);
+    for (int i = 0; i < n; i++) names[i] = shots->patterns[group->patterns[i]].name;
+    const FfpFileSet set = {group->template, calibration, names, n, "photographs", "pattern", "", false};
+    if (!ffp_files_find(paths, shots->arena, &set, err)) return false;
+    for (int i = 0; i < all; i++)
+        if (!set_picture(shots, calibration, i / n, group->patterns[i % n], paths[i], err)) return false;
+    return true;
+}
+
+// --- Photographs of everything that was shown. ---
+
+// The paths [n_stops, *n]: of all patterns or, where there are fewer photographs, of those before the codes.
+static const char **find_shown(FfpShots *shots, const char *template, const FfpCalibration *calibration,
+                               int *n, FfpError *err) {
+    const FfpShown *shown = &shots->shown;
+    const size_t stops = (size_t)calibration->n_stops;
+    const char **names = ffp_arena_alloc(shots->arena, (size_t)shown->n, sizeof *names),
+               **paths = ffp_arena_alloc(shots->arena, stops * (size_t)shown->n, sizeof *paths);
+    const int plain = shown->n - shown->n_codes;
+    char order[160] = "";
+    FfpError error = {0};
+    for (int i = 0; i < shown->n; i++) names[i] = shown->patterns[i].name;
+    if (shown->n_codes > 0)
+        snprintf(order, sizeof order, " for all that was shown, or %d without the Gray codes", plain);
+    FfpFileSet set = {template, calibration, names, shown->n, "photographs", "pattern", order, false};
+    *n = shown->n;
+    if (ffp_files_find(paths, shots->arena, &set, err)) return paths;
+    if (shown->n_codes == 0) return NULL;
+    set.n_names = *n = plain;
+    set.order = "";
+    paths[0] = NULL;
+    if (ffp_files_find(paths, shots->arena, &set, &error)) return paths;
+    if (paths[0] && err) *err = error; // the first view has no codes: another one is to blame
+    return NULL;
+}
+
+static bool take_all_shown(FfpShots *shots, const char *template, const FfpCalibration *calibration,
+                           FfpError *err) {
+    const int stops = calibration->n_stops, plain = shots->shown.n - shots->shown.n_codes;
+    int n;
+    if (!template || template[0] == 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no file is named");
+    if (!shots->shown.arena)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "'%.100s' is without names of patterns", template);
+    const char **paths = find_shown(shots, template, calibration, &n, err);
+    if (!paths) return false;
+    for (int p = 0; p < plain; p++) {
+        const int pattern = pattern_index(shots, shots->shown.patterns[p].name, err);
+        if (pattern < 0) return false;
+        for (int stop = 0; stop < stops; stop++)
+            if (!set_picture(shots, calibration, stop, pattern, paths[stop * n + p], err)) return false;
+    }
+    if (n == plain) return true;
+    if (shots->codes) return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "the Gray codes come twice");
+    shots->n_codes = n - plain;
+    shots->codes =
+        ffp_arena_alloc(shots->arena, (size_t)stops * (size_t)shots->n_codes, sizeof *shots->codes);
+    for (int i = 0; i < stops * shots->n_codes; i++)
+        shots->codes[i] = paths[i / shots->n_codes * n + plain + i % shots->n_codes];
+    return true;
+}
+
+// --- Patterns and masks. ---
+
+static bool take_projected(FfpShots *shots, const FfpProjected *projected, bool novel, FfpError *err) {
+    const char *where = novel ? HELD_OUT : PATTERNS;
+    for (int i = 0; i < shots->n_patterns; i++) {
+        FfpShotPattern *pattern = &shots->patterns[i];
+        if (strcmp(pattern->name, projected->name) != 0) continue;
+        if (pattern->file)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, where, "duplicate pattern '%s'", pattern->name);
+        if (!ffp_is_file(projected->file))
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, projected->file, "no such file: pattern '%s'",
+                            pattern->name);
+        pattern->file = ffp_arena_text(shots->arena, projected->file);
+        pattern->novel = novel;
+        return true;
+    }
+    return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no picture under pattern '%.100s'", projected->name);
+}
+
+// Pictures that the calibration names itself, where the caller names none.
+static bool take_named(FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
+    for (int i = 0; i < calibration->n_pictures; i++) {
+        const FfpNamedPicture *picture = &calibration->pictures[i];
+        const int pattern = pattern_index(shots, picture->pattern, err);
+        char what[2 * FFP_NAME_MAX + 32];
+        snprintf(what, sizeof what, "view '%s' under pattern '%s'", calibration->stops[picture->stop].id,
+                 picture->pattern);
+        if (pattern < 0 || !ffp_photograph_check(picture->path, what, err) ||
+            !set_picture(shots, calibration, picture->stop, pattern,
+                         ffp_arena_text(shots->arena, picture->path), err))
+            return false;
+    }
+    return true;
+}
+
+// Patterns as they were shown.
+static void take_shown_patterns(FfpShots *shots) {
+    for (int i = 0; i < shots->n_patterns; i++)
+        for (int k = 0; k < shots->shown.n; k++)
+            if (!shots->patterns[i].file && i != shots->black && i != shots->white &&
+                strcmp(shots->patterns[i].name, shots->shown.patterns[k].name) == 0)
+                shots->patterns[i].file = ffp_arena_text(shots->arena, shots->shown.patterns[k].file);
+}
+
+// Patterns that lie where the calibration keeps them.
+static void take_kept_patterns(FfpShots *shots, const char *folder) {
+    for (int i = 0; i < shots->n_patterns && folder[0] != 0; i++) {
+        char name[FFP_NAME_MAX + 8], path[FFP_PATH_MAX];
+        snprintf(name, sizeof name, "%s.png", shots->patterns[i].name);
+        const bool plain = i == shots->black || i == shots->white;
+        if (!plain && !shots->patterns[i].file && ffp_join_path(path, folder, name) && ffp_is_file(path))
+            shots->patterns[i].file = ffp_arena_text(shots->arena, path);
+    }
+}
+
+static bool find_masks(FfpShots *shots, const char *template, const FfpCalibration *calibration,
+                       FfpError *err) {
+    if (!template || template[0] == 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "mask_files", "no file given");
+    shots->masks = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops, sizeof *shots->masks);
+    const FfpFileSet set = {template, calibration, NULL, 1, "masks", "", "", false};
+    return ffp_files_find(shots->masks, shots->arena, &set, err);
+}
+
+// --- The empty stage. ---
+
+static int known_pattern(const FfpShots *shots, const char *name) {
+    for (int i = 0; i < shots->n_patterns; i++)
+        if (strcmp(shots->patterns[i].name, name) == 0) return i;
+    return -1;
+}
+
+static bool tells_view(const char *template) {
+    return strstr(template, "{view}") || strstr(template, "{index}") || strstr(template, "{number") ||
+           strchr(template, '*');
+}
+
+// Paths [n_stops, n]: of each view, or the same for all of them.
+static bool find_empty_files(const char **paths, FfpShots *shots, const FfpShotFiles *source,
+                             const FfpCalibration *calibration, FfpError *err) {
+    const bool of_all = !tells_view(source->files);
+    const int n = source->n_patterns, stops = calibration->n_stops;
+    FfpCalibration first = *calibration; // which stands for all
+    if (of_all) first.n_stops = 1;
+    const FfpFileSet set = {source->files,
+                            of_all ? &first : calibration,
+                            source->patterns,
+                            n,
+                            "photographs of the empty stage",
+                            "pattern",
+                            "",
+                            false};
+    if (!ffp_files_find(paths, shots->arena, &set, err)) return false;
+    for (int i = n; of_all && i < stops * n; i++) paths[i] = paths[i - n];
+    return true;
+}
+
+// Files of one pattern of the empty stage, or of several.
+static bool find_empty(FfpShots *shots, const FfpShotFiles *source, const FfpCalibration *calibration,
+                       FfpError *err) {
+    const int n = source->n_patterns, stops = calibration->n_stops;
+    if (!source->files || source->files[0] == 0 || n < 1)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, EMPTY, "no file is named");
+    const char **paths = ffp_arena_alloc(shots->arena, (size_t)stops * (size_t)n, sizeof *paths);
+    if (!find_empty_files(paths, shots, source, calibration, err)) return false;
+    for (int i = 0; i < n; i++) {
+        const int pattern = known_pattern(shots, source->patterns[i]);
+        if (pattern < 0)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, EMPTY, "no photographs under pattern '%.100s' (images)",
+                            source->patterns[i]);
+        if (shots->empty[pattern])
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, EMPTY, "two pictures of the stage under '%s'",
+                            shots->patterns[pattern].name);
+        for (int v = 0; v < stops; v++) shots->empty[v * FFP_PATTERNS_MAX + pattern] = paths[v * n + i];
+    }
+    return true;
+}
+
+static bool find_stage(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+                       FfpError *err) {
+    if (sources->n_empty == 0) return true;
+    if (sources->mask == FFP_MASKS_FILES)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, EMPTY,
+                        "files of masks are given, too: either these or the empty stage tells the object");
+    shots->empty =
+        ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops * FFP_PATTERNS_MAX, sizeof *shots->empty);
+    for (int i = 0; i < sources->n_empty; i++)
+        if (!find_empty(shots, &sources->empty[i], calibration, err)) return false;
+    return (shots->empty[shots->black] && shots->empty[shots->white]) ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, EMPTY, "no picture of the stage under %s",
+                    shots->empty[shots->black] ? "white" : "black");
+}
+
+// --- All of it. ---
+
+// No file of a view is its picture under two patterns.
+static bool check_single(const FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
+    for (int stop = 0; stop < calibration->n_stops; stop++) {
+        const char *const *pictures = shots->pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
+        for (int i = 0; i < shots->n_patterns; i++)
+            for (int k = 0; k < i; k++)
+                if (pictures[i] && pictures[k] && strcmp(pictures[i], pictures[k]) == 0)
+                    return ffp_fail(err, FFP_ERROR_FILE, pictures[i],
+                                    "is named twice: view '%s' under '%.64s' and under '%.64s'",
+                                    calibration->stops[stop].id, shots->patterns[k].name,
+                                    shots->patterns[i].name);
+    }
+    return true;
+}
+
+static bool check_complete(const FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
+    if (shots->black < 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no pictures under black given");
+    if (shots->white < 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no pictures under white given");
+    const int plain[2] = {shots->black, shots->white};
+    for (int i = 0; i < 2 * calibration->n_stops; i++) {
+        if (shots->pictures[i / 2 * FFP_PATTERNS_MAX + plain[i % 2]] != NULL) continue;
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES,
+                        "view '%s' has no picture under %s: every pose must be photographed under "
+                        "black, white and a pattern",
+                        calibration->stops[i / 2].id, i % 2 == 0 ? "black" : "white");
+    }
+    for (int i = 0; i < shots->n_patterns; i++) {
+        if (!shots->patterns[i].file && i != shots->black && i != shots->white)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, PATTERNS,
+                            "no file given for pattern '%s': name the image that was projected",
+                            shots->patterns[i].name);
+    }
+    return true;
+}
+
+static bool find_all(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+                     FfpError *err) {
+    Group *group = ffp_arena_alloc(shots->arena, 1, sizeof *group);
+    if (sources->n_images == 0 && !take_named(shots, calibration, err)) return false;
+    for (int i = 0; i < sources->n_images; i++) {
+        const FfpShotFiles *images = &sources->images[i];
+        const bool ok = images->n_patterns == 0 ? take_all_shown(shots, images->files, calibration, err)
+                                                : read_group(shots, images, group, err) &&
+                                                      find_group(shots, group, calibration, err);
+        if (!ok) return false;
+    }
+    for (int i = 0; i < sources->n_patterns; i++) {
+        if (!take_projected(shots, &sources->patterns[i], false, err)) return false;
+    }
+    for (int i = 0; i < sources->n_held_out; i++) {
+        if (!take_projected(shots, &sources->held_out[i], true, err)) return false;
+    }
+    take_shown_patterns(shots);
+    take_kept_patterns(shots, calibration->pattern_folder);
+    return (sources->mask != FFP_MASKS_FILES || find_masks(shots, sources->mask_files, calibration, err)) &&
+           check_complete(shots, calibration, err) && check_single(shots, calibration, err) &&
+           find_stage(shots, sources, calibration, err);
+}
+
+bool ffp_shots_find(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+                    FfpError *err) {
+    *shots = (FfpShots){.arena = ffp_arena_new(), .black = -1, .white = -1};
+    shots->patterns = ffp_arena_alloc(shots->arena, FFP_PATTERNS_MAX, sizeof *shots->patterns);
+    shots->pictures = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops * FFP_PATTERNS_MAX,
+                                      sizeof *shots->pictures);
+    return (!sources->shown || ffp_shown_read(&shots->shown, sources->shown, err)) &&
+           find_all(shots, sources, calibration, err);
+}
+
+void ffp_shots_free(FfpShots *shots) {
+    if (shots->arena) ffp_arena_free(shots->arena);
+    ffp_shown_free(&shots->shown);
+    *shots = (FfpShots){0};
+}

@@ -1,0 +1,69 @@
+// Which file shows which view under which pattern.
+#ifndef FFP_RIG_PICTURES_H
+#define FFP_RIG_PICTURES_H
+
+#include "core/base/arena.h"
+#include "core/patterns/shown.h"
+#include "rig/optics/calibration.h"
+
+typedef struct FfpShotPattern {
+    char name[FFP_NAME_MAX];
+    const char *file; // what was projected; NULL: black or white, or
+    int code;         // the Gray code with this number, from 1 (graycode.h); 0: none
+    bool novel;
+} FfpShotPattern;
+
+typedef struct FfpShots {
+    FfpArena *arena; // owns all strings and lists
+    int n_patterns, black, white;
+    FfpShotPattern *patterns; // [FFP_PATTERNS_MAX]
+    const char **pictures;    // [n_stops, FFP_PATTERNS_MAX]; NULL: none
+    const char **masks;       // [n_stops]; NULL: there are no mask files
+    const char **empty;       // as pictures, of the stage without the object; NULL: there are none
+    const char **codes;       // [n_stops, n_codes] photographs of Gray codes; NULL: there are none
+    int n_codes;
+    FfpShown shown; // empty where the sources name none
+} FfpShots;
+
+// Photographs under one pattern or several. `files` is a template (file_names.h).
+typedef struct FfpShotFiles {
+    const char *const *patterns; // names
+    int n_patterns;              // 0: those that were shown
+    const char *files;
+} FfpShotFiles;
+
+typedef struct FfpProjected { // what the projector showed
+    const char *name, *file;
+} FfpProjected;
+
+typedef enum FfpMaskKind {
+    FFP_MASKS_ALPHA, // alpha channels where there are, else Otsu's method
+    FFP_MASKS_OTSU,
+    FFP_MASKS_FILES
+} FfpMaskKind;
+
+typedef struct FfpShotSources {
+    const FfpShotFiles *images; // none: the pictures that the calibration names
+    int n_images;
+    const FfpProjected *patterns, *held_out;
+    int n_patterns, n_held_out;
+    FfpMaskKind mask;
+    const char *mask_files; // as FfpShotFiles.files
+    const char *codes;      // likewise, photographs of Gray codes; NULL: none
+    const char *shown;      // folder of patterns (core/patterns/shown.h); NULL: none
+    // The stage without the object; files without placeholders are of all views.
+    const FfpShotFiles *empty;
+    int n_empty;
+} FfpShotSources;
+
+// Finds all files for the calibration's stops. Afterwards each picture is known to exist, and so are black
+// and white and the file of every other pattern.
+bool ffp_shots_find(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+                    FfpError *err);
+// The photographs of the Gray codes of a panel of this size, where the sources name them. Where they name no
+// pattern besides black and white, one of the codes becomes the pattern: of columns or of rows (axis 0, 1).
+bool ffp_shots_find_codes(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+                          int width, int height, int axis, FfpError *err);
+void ffp_shots_free(FfpShots *shots);
+
+#endif
