@@ -25,7 +25,7 @@ target_compile_definitions(OpenMP::OpenMP_C INTERFACE FFP_NO_BLAS)
 
 # The rooms that a page has: whole, but for the calls (api), of which it has those that take no other room.
 set(FFP_WASM_ROOMS base numerics image tensor gaussians capture patterns denoise match network render loss refine align apply
-                   pipeline findings graycode calibration axis masks checks import view export describe api)
+                   pipeline findings optics graycode shots turntable masks checks response import view export describe api)
 function(ffp_wasm_calls out)
   set(kept "")
   foreach(source ${${out}})

@@ -1,6 +1,7 @@
 // Turntables: where their stops are, and their files.
 #include <math.h>
 #include "core/base/rigid.h"
+#include "rig/optics/matrix.h"
 #include "rig/turntable/turntable.h"
 #include "scratch.h"
 
