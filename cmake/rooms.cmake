@@ -13,8 +13,8 @@ ffp_room(image NUMERIC DEPS base LIBS PkgConfig::PNG PkgConfig::JPEG PkgConfig::
 # kernels on plain arrays: products, norms, attention, state-space scan, Adam; safetensors
 ffp_room(tensor NUMERIC PRODUCTS DEPS base LIBS PkgConfig::OPENBLAS PkgConfig::JANSSON READERS safetensors)
 # the Gaussian set and its PLY; splats of other programs
-ffp_room(gaussians NUMERIC DEPS base LIBS PkgConfig::JANSSON PkgConfig::ZLIB
-         READERS elsewhere gaussians gltf ply ply_header row spz)
+ffp_room(gaussians NUMERIC DEPS base LIBS PkgConfig::JANSSON PkgConfig::ZLIB PkgConfig::ZSTD
+         READERS affine elsewhere foreign_splats gaussians gltf ply ply_header ply_read ply_rows row splat spz unzstd)
 # cameras, projectors, captures: reading, checking, writing, bounds, reducing
 ffp_room(capture NUMERIC DEPS image numerics base LIBS PkgConfig::JANSSON
          READERS bounds capture load manifest names node pad pose read render_poses scene_read whole)

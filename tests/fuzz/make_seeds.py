@@ -44,7 +44,33 @@ def spz(version, count=2, zipped=True, size=None):
     return gzip.compress((header + data)[:size], mtime=0) if zipped else header + data
 
 
-def gltf_splats(binary, extension='KHR_gaussian_splatting', space='srgb_rec709_display', moved='', times=1, size=math.exp(-4)):
+def zstd_stored(data):
+    """A frame of Zstandard (RFC 8878) with its size and one block that is stored as it is."""
+    return struct.pack('<IBI', 0xfd2fb528, 0xa0, len(data)) + struct.pack('<I', 1 | len(data) << 3)[:3] + data
+
+
+def spz4(count=2, cut=0, harmonics=0):
+    """By the format's description (github.com/nianticlabs/spz, README)."""
+    parts = [b''.join(struct.pack('<i', round(p * 4096))[:3] for p in (0.5, -1.0, 2.0, 0.0, 0.0, 0.0)),
+             bytes([204, 51]), 2 * bytes([166, 128, 90]), 2 * bytes([96, 96, 80]), 2 * struct.pack('<I', 3 << 30 | 361 << 20)]
+    if harmonics:
+        parts.append(bytes(2 * 9))
+    streams = [zstd_stored(part) for part in parts]
+    header = struct.pack('<IIIBBBBI12x', 0x5053474e, 4, count, harmonics, 12, 0, len(streams), 32)
+    table = b''.join(struct.pack('<QQ', len(stream), len(part)) for stream, part in zip(streams, parts))
+    whole = header + table + b''.join(streams)
+    return whole[:len(whole) - cut]
+
+
+def dot_splat():
+    half = math.sqrt(0.75)
+    rows = [(0.5, -1, 2, 204), (0, 0, 0, 51)]
+    return b''.join(struct.pack('<6f8B', *row[:3], math.exp(-4), math.exp(-4), math.exp(-5), 199, 128, 56, row[3],
+                                round(half * 128) + 128, 192, 128, 128) for row in rows)
+
+
+def gltf_splats(binary, extension='KHR_gaussian_splatting', space='srgb_rec709_display', moved='', times=1, size=math.exp(-4), uri='',
+                how=None):
     half, dc = math.sqrt(0.75), 1.0
     columns = {
         'POSITION': ([0.5, -1, 2, 0, 0, 0], 'VEC3'),
@@ -64,12 +90,18 @@ def gltf_splats(binary, extension='KHR_gaussian_splatting', space='srgb_rec709_d
     for name, (values, kind) in columns.items():
         add(name, struct.pack(f'<{len(values)}f', *values), kind, componentType=5126)
     add('KHR_gaussian_splatting:OPACITY', bytes([204, 51]), 'SCALAR', componentType=5121, normalized=True)
-    primitive = {'mode': 0, 'attributes': attributes, 'extensions': {extension: {'colorSpace': space}}}
+    primitive = {'mode': 0, 'attributes': attributes, 'extensions': {extension: {'colorSpace': space, **(how or {})}}}
     root = {'asset': {'version': '2.0'}, 'bufferViews': views, 'accessors': accessors,
             'meshes': [{'primitives': times * [primitive]}], 'buffers': [{'byteLength': len(data)}],
             'nodes': [{'mesh': 0}, {'children': [0]}, {'camera': 0}]}
     if moved:
         root['nodes'][{'splats': 0, 'parent': 1, 'camera': 2}[moved]]['translation'] = [1, 0, 0]
+    if moved == 'parent':  # by columns: x to y, y to z, z to x, all twice as large
+        root['nodes'][0]['matrix'] = [0, 2, 0, 0, 0, 0, 2, 0, 2, 0, 0, 0, 0, 0, 0, 1]
+        root['nodes'][1]['scale'] = [1, 1, -3]
+    if uri:
+        root['buffers'][0]['uri'] = uri
+        return as_json(root), data
     if not binary:
         root['buffers'][0]['uri'] = 'data:application/octet-stream;base64,' + base64.b64encode(data).decode()
         return as_json(root)
@@ -82,6 +114,11 @@ def gltf_splats(binary, extension='KHR_gaussian_splatting', space='srgb_rec709_d
 def splats():
     for version in (1, 2, 3, 4):
         write('spz', f'version{version}.spz', spz(version))
+    write('spz', 'streams.spz', spz4())
+    write('spz', 'harmonics.spz', spz4(harmonics=1))
+    write('spz', 'streams_short.spz', spz4(cut=1))
+    write('spz', 'streams_many.spz', spz4(count=40000000))
+    write('splat', 'two.splat', dot_splat())
     write('spz', 'short.spz', spz(2, size=40))
     write('spz', 'many.spz', spz(2, count=40000000))
     write('spz', 'plain.spz', spz(3, zipped=False))
@@ -94,6 +131,14 @@ def splats():
     write('gltf', 'twice.glb', gltf_splats(True, times=2))
     write('gltf', 'size.glb', gltf_splats(True, size=math.nan))
     write('gltf', 'none.glb', gltf_splats(True, extension='KHR_other'))
+    write('gltf', 'thin.glb', gltf_splats(True, size=0))
+    write('gltf', 'negative.glb', gltf_splats(True, size=-1))
+    write('gltf', 'packed.glb', gltf_splats(True, how={'extensions': {'KHR_gaussian_splatting_compression_spz_2': {}}}))
+    write('gltf', 'kernel.glb', gltf_splats(True, how={'kernel': 'customShape', 'extensions': {'EXT_kernel_customShape': {}}}))
+    text, data = gltf_splats(False, uri='parts/a%2Cb.bin')
+    write('gltf', 'beside.gltf', text)
+    write('gltf/parts', 'a,b.bin', data)
+    write('gltf', 'above.gltf', gltf_splats(False, uri='parts/%2e%2e/%2e./a.bin')[0])
 
 
 # --- Pictures. ---
@@ -247,6 +292,67 @@ def plys():
     head = 'ply\r\nformat binary_little_endian 1.0\r\nelement vertex 1\r\nproperty uchar other\r\n'
     head += ''.join(f'property float {name}\r\n' for name in reversed(names)) + 'end_header\r\n'
     write('ply', 'other_order.ply', head.encode() + b'\0' + struct.pack('<18f', *reversed(row)))
+
+
+def foreign_plys():
+    """The two splats of splats(), in the encodings and layouts of other programs."""
+    half, shape = math.sqrt(0.75), [-4, -4, -5]
+    names = 'x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3'.split()
+    rows = [[*at, 1, 0, -1, logit, *shape, half, 0.5, 0, 0] for at, logit in (((0.5, -1, 2), math.log(4)), ((0, 0, 0), -math.log(4)))]
+    properties = ''.join(f'property float {name}\n' for name in names)
+
+    def head(encoding, before='', more='', after='', rest=properties):
+        return f'ply\nformat {encoding} 1.0\n{before}element vertex 2\n{rest}{more}{after}end_header\n'
+
+    ascii_rows = ''.join(' '.join(f'{value:.9g}' for value in row) + '\n' for row in rows)
+    write('ply', 'ascii.ply', head('ascii') + ascii_rows)
+    write('ply', 'ascii_short.ply', head('ascii') + ascii_rows[:-4])
+    write('ply', 'ascii_word.ply', head('ascii') + ascii_rows.replace('-4', 'four', 1))
+    write('ply', 'big.ply', head('binary_big_endian').encode() + b''.join(struct.pack('>14f', *row) for row in rows))
+    lists = b''.join(struct.pack('<14fB3i', *row, 3, 1, 2, 3) for row in rows)
+    camera = 'element camera 1\nproperty float view_px\nproperty list uint8 float k\n'
+    faces = 'element face 1\nproperty list uchar int vertex_indices\n'
+    write('ply', 'elements.ply', head('binary_little_endian', camera, 'property list uchar int ids\n', faces).encode() +
+          struct.pack('<fB2f', 1, 2, 3, 4) + lists + struct.pack('<B3i', 3, 0, 1, 0))
+    coloured = ''.join(f'property {"uchar" if name in ("red", "green", "blue") else "float"} {name}\n'
+                       for name in [*names[:3], 'red', 'green', 'blue', *names[6:]])
+    colours = [round(255 * (0.5 + 0.28209479 * dc)) for dc in (1, 0, -1)]
+    write('ply', 'coloured.ply', head('binary_little_endian', rest=coloured).encode() +
+          b''.join(struct.pack('<3f3B8f', *row[:3], *colours, *row[6:]) for row in rows))
+    points = ''.join(f'property float {name}\n' for name in names[:3])
+    at = struct.pack('<6f', 0.5, -1, 2, 0, 0, 0)
+    write('ply', 'points.ply', head('binary_little_endian', rest=points).encode() + at)
+    write('ply', 'mesh.ply', head('binary_little_endian', after=faces, rest=points).encode() + at + struct.pack('<B3i', 3, 0, 1, 0))
+    write('ply', 'discs.ply', head('ascii').replace('property float scale_2\n', '') +
+          ''.join(' '.join(f'{v:.9g}' for i, v in enumerate(row) if i != 9) + '\n' for row in rows))
+    extra = 'property float f_rest_0\nproperty float f_rest_1\nproperty float filter_3D\n'
+    for name, rest in (('harmonics', '0 0.25 0'), ('no_harmonics', '0 0 0')):
+        write('ply', name + '.ply', head('ascii', more=extra) + ''.join(line + ' ' + rest + '\n' for line in ascii_rows.splitlines()))
+    compressed(head, faces)
+
+
+def compressed(head, faces):
+    """SuperSplat's compressed PLY: bounds for 256 splats each, between which whole numbers lie; here of both splats' own."""
+    bounds = ([0, -1.023, 0], [2.047, 0, 2.047], [-6, -5.023, -6], [-3.953, -4, -3.953], [0, 0, 0], [1, 1, 1])
+    names = [f'{end}_{what}' for what in ('{}', 'scale_{}') for end in ('min', 'max') for what in [what]]
+    columns = [name.format(axis) for name in names for axis in 'xyz'] + [f'{end}_{c}' for end in ('min', 'max') for c in 'rgb']
+    chunk = 'element chunk 1\n' + ''.join(f'property float {name}\n' for name in columns)
+    packed = ''.join(f'property uint packed_{name}\n' for name in ('position', 'rotation', 'scale', 'color'))
+    colour, shape = 199 << 24 | 128 << 16 | 56 << 8, 2000 << 21 | 1023 << 11 | 1000
+
+    def turned(*wxyz):
+        largest = max(range(4), key=lambda i: abs(wxyz[i]))
+        small = [round((part / math.sqrt(2) + 0.5) * 1023) for i, part in enumerate(wxyz) if i != largest]
+        return largest << 30 | small[0] << 20 | small[1] << 10 | small[2]
+
+    at, origin = 500 << 21 | 23 << 11 | 2000, 1023 << 11
+    rows = [(at, turned(math.sqrt(0.75), 0.5, 0, 0), shape, colour | 204), (origin, turned(math.sqrt(0.75), 0.5, 0, 0), shape, colour | 51)]
+    others = [(at, turned(0.1, 0.3, 0.9, -0.3), shape, colour | 255), (at, turned(-0.1, 0.3, 0.3, 0.9), shape, colour)]
+    for name, those in (('compressed', rows), ('turned', others)):
+        data = struct.pack('<18f', *(value for bound in bounds for value in bound)) + b''.join(struct.pack('<4I', *row) for row in those)
+        write('ply', name + '.ply', head('binary_little_endian', chunk, rest=packed).encode() + data)
+    none = chunk.replace('chunk 1', 'chunk 0')
+    write('ply', 'no_chunk.ply', head('binary_little_endian', none, rest=packed).encode() + data[72:])
 
 
 def safetensors():
@@ -432,5 +538,5 @@ def turntables():
     write('turntable', 'steps.yml', 'axis: [0, -1, 0]\npoint: [0, 40, 600]\ncount: 8\nstep: 45\n')
 
 
-for make in (splats, pngs, jpegs, tiffs, exrs, plys, safetensors, captures, configurations, documents, nepmaps, colmaps, turntables):
+for make in (splats, pngs, jpegs, tiffs, exrs, plys, foreign_plys, safetensors, captures, configurations, documents, nepmaps, colmaps, turntables):
     make()

@@ -45,11 +45,12 @@ FfpKind ffp_file_kind(const char *path) {
     if (size > 8 && head[7] == 0 && head[8] == '{') // the header's length before it
         return is_field(head, size) ? FFP_KIND_FIELD : FFP_KIND_WEIGHTS;
     if (begins(head, size, "ply", 3) && size > 3 && (head[3] == '\n' || head[3] == '\r')) return FFP_KIND_PLY;
-    if (begins(head, size, "\x1f\x8b", 2)) return FFP_KIND_SPZ;
+    if (begins(head, size, "\x1f\x8b", 2) || begins(head, size, "NGSP", 4)) return FFP_KIND_SPZ;
     if (begins(head, size, "glTF", 4) || (is_json(head, size) && ends_with(path, ".gltf")))
         return FFP_KIND_GLTF;
     if (is_image(head, size)) return FFP_KIND_IMAGE;
-    return is_json(head, size) ? FFP_KIND_JSON : FFP_KIND_UNKNOWN;
+    if (is_json(head, size)) return FFP_KIND_JSON;
+    return ends_with(path, ".splat") ? FFP_KIND_SPLAT : FFP_KIND_UNKNOWN; // has no mark
 }
 
 bool ffp_check_kind(const char *path, FfpExpectedKind wanted, FfpError *err) {
@@ -57,15 +58,16 @@ bool ffp_check_kind(const char *path, FfpExpectedKind wanted, FfpError *err) {
         [FFP_KIND_FOLDER] = "a folder, as captures are",
         [FFP_KIND_JSON] = "JSON, as in captures",
         [FFP_KIND_PLY] = "Gaussians (a PLY)",
-        [FFP_KIND_SPZ] = "gzipped, as splats in SPZ are",
+        [FFP_KIND_SPZ] = "gzipped or SPZ, as splats are",
         [FFP_KIND_GLTF] = "glTF",
+        [FFP_KIND_SPLAT] = "splats (.splat)",
         [FFP_KIND_WEIGHTS] = "weights (safetensors)",
         [FFP_KIND_FIELD] = "a neural field, which only `info` and `evaluate --field` read",
         [FFP_KIND_IMAGE] = "a picture",
     };
     static const char *const wants[] = {
         [FFP_WANTED_CAPTURE] = "a capture: expected its folder or its JSON file",
-        [FFP_WANTED_GAUSSIANS] = "Gaussians: expected a PLY, an SPZ or glTF with splats",
+        [FFP_WANTED_GAUSSIANS] = "Gaussians: expected a PLY, an SPZ, a .splat or glTF with splats",
         [FFP_WANTED_WEIGHTS] = "weights: expected a safetensors file",
         [FFP_WANTED_FIELD] = "a neural field",
         [FFP_WANTED_TENSORS] = "weights: expected a safetensors file",
@@ -75,7 +77,7 @@ bool ffp_check_kind(const char *path, FfpExpectedKind wanted, FfpError *err) {
     const bool capture = kind == FFP_KIND_FOLDER || kind == FFP_KIND_JSON;
     if (kind == FFP_KIND_UNKNOWN || (wanted == FFP_WANTED_CAPTURE && capture) ||
         (wanted == FFP_WANTED_GAUSSIANS &&
-         (kind == FFP_KIND_PLY || kind == FFP_KIND_SPZ || kind == FFP_KIND_GLTF)) ||
+         (kind == FFP_KIND_PLY || kind == FFP_KIND_SPZ || kind == FFP_KIND_GLTF || kind == FFP_KIND_SPLAT)) ||
         (wanted == FFP_WANTED_WEIGHTS && kind == FFP_KIND_WEIGHTS) ||
         ((wanted == FFP_WANTED_FIELD || wanted == FFP_WANTED_TENSORS) &&
          (kind == FFP_KIND_FIELD || kind == FFP_KIND_WEIGHTS)) || // whose reader says what else it is

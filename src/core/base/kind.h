@@ -9,8 +9,9 @@ typedef enum FfpKind {
     FFP_KIND_FOLDER,
     FFP_KIND_JSON,
     FFP_KIND_PLY,
-    FFP_KIND_SPZ,     // gzip, as SPZ is
+    FFP_KIND_SPZ,     // gzip, as SPZ is up to version 3, or SPZ
     FFP_KIND_GLTF,    // GLB, or JSON called .gltf
+    FFP_KIND_SPLAT,   // called .splat, and nothing of these
     FFP_KIND_WEIGHTS, // safetensors
     FFP_KIND_FIELD,   // likewise, of a neural field
     FFP_KIND_IMAGE,

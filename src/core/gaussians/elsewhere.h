@@ -1,5 +1,5 @@
 // Splats of other programs: one colour each, without material. Every reader fills in what its file says and
-// leaves the rest to ffp_splat_complete.
+// leaves the rest to the set.
 #ifndef FFP_GAUSSIANS_ELSEWHERE_H
 #define FFP_GAUSSIANS_ELSEWHERE_H
 
@@ -8,14 +8,29 @@
 
 #define FFP_SPLAT_FILE_MAX (SIZE_MAX >> (sizeof(size_t) == 8 ? 32 : 1)) // bytes: 4 GiB
 
-// What such a splat does not say, once its row (f_dc, logits, logarithms) is decoded. Its colour is light and
-// material in one: it becomes both the albedo (within [0,1]) and, as it looks without a projector, the
-// ambient colour; the roughness becomes 0.5.
-void ffp_splat_complete(FfpGaussians *gaussians, int64_t index);
-// Decodes and completes; an error names the file, the splat and the number that cannot be used.
-bool ffp_splat_put(FfpGaussians *gaussians, int64_t index, const float row[FFP_ROW_NUMBERS], const char *path,
-                   FfpError *err);
-void ffp_splats_note(const char *path); // says what was assumed
+// A set while it is read, one row after the other.
+typedef struct FfpSplatSet {
+    FfpGaussians *gaussians;
+    const char *path;
+    int64_t offered, bad; // rows so far; those of them that cannot be used
+    int64_t first_bad;
+    int bad_number;           // of that row, index into ffp_row_names
+    bool relightable;         // rows have albedo and roughness
+    bool linear;              // colours are linear light, not sRGB
+    bool harmonics, filtered; // there are spherical harmonics, or Mip-Splatting's filters, which are left out
+} FfpSplatSet;
+
+// Makes room for `count` splats.
+void ffp_splats_begin(FfpSplatSet *set, FfpGaussians *gaussians, int64_t count, const char *path);
+// Adds the splat of a given row (its f_dc, logits and logarithms), or counts it as bad where it cannot be
+// used (ffp_row_decode). A scale whose logarithm is -inf is as thin as a disc of 2DGS: 1 % of the smallest
+// other one. Without a material the colour is light and material in one: it becomes both the albedo (within
+// [0,1]) and, as it looks without a projector, the ambient colour; the roughness becomes 0.5.
+void ffp_splats_add(FfpSplatSet *set, const float given[FFP_ROW_NUMBERS]);
+// Notes what was assumed and left out. False, without a set, if the reader failed (`ok` is false) or more
+// than a tenth of the rows are bad; the error names the first of them.
+bool ffp_splats_end(FfpSplatSet *set, bool ok, FfpError *err);
+double ffp_splat_logit(double share); // of an opacity; infinite for 0 and 1
 
 // The extension of glTF that splats are in.
 #define FFP_SPLAT_EXTENSION "KHR_gaussian_splatting"
@@ -26,14 +41,23 @@ void ffp_splats_note(const char *path); // says what was assumed
 #define FFP_SPZ_COLOUR 0.15               // of f_dc in a byte, around the middle
 #define FFP_SPZ_SHORT 0.70710678118654752 // the largest that the three smaller parts of a unit quaternion get
 
-// SPZ, versions 1 to 3, as Niantic published it (github.com/nianticlabs/spz, README). Spherical harmonics
-// beyond the constant are not used. Errors: not gzip, another magic or version, counts beyond the file or
-// FFP_GAUSSIANS_MAX, data that ends early or differs from its checksum.
+// PLY with 3DGS's properties, or compressed as SuperSplat does: see ply_read.c.
+bool ffp_gaussians_read_ply(FfpGaussians *gaussians, const char *path, FfpError *err);
+// SPZ, versions 1 to 4, as Niantic published it (github.com/nianticlabs/spz, README); versions 2 and 3 also
+// without gzip around them. Spherical harmonics beyond the constant are not used. Errors: another magic or
+// version, counts beyond the file or FFP_GAUSSIANS_MAX, data that ends early or differs from its checksum.
 bool ffp_gaussians_read_spz(FfpGaussians *gaussians, const char *path, FfpError *err);
-// glTF 2.0, JSON or GLB, with KHR_gaussian_splatting (github.com/KhronosGroup/glTF, extensions): the one
-// primitive that has it. Attributes are floats or normalised integers, in the GLB's own buffer, in data URIs
-// or in files beside the JSON. Errors: no such primitive, or several; compressed splats; a
-// transform on the way to them; sizes beyond the buffers; scales that are not above 0.
+// glTF 2.0, JSON or GLB, with KHR_gaussian_splatting (github.com/KhronosGroup/glTF, extensions): every
+// primitive that has it, under its nodes' transforms. Attributes are floats or integers, in the GLB's own
+// buffer, in data URIs or in files beside or below the JSON. Errors: no such primitive; compressed splats;
+// sizes beyond the buffers.
 bool ffp_gaussians_read_gltf(FfpGaussians *gaussians, const char *path, FfpError *err);
+// .splat (github.com/antimatter15/splat): rows of 32 bytes without a header.
+bool ffp_gaussians_read_splat(FfpGaussians *gaussians, const char *path, FfpError *err);
+// False, with what the file is, if splats, scenes and checkpoints of other programs begin like it, and what
+// converts it. Otherwise it is not there, or is nothing that any command reads.
+bool ffp_refuse_splats(const char *path, FfpError *err);
+// Zstandard, whole: false if it does not decompress to exactly `size` bytes.
+bool ffp_unzstd(unsigned char *out, size_t size, const unsigned char *data, size_t data_size);
 
 #endif

@@ -6,13 +6,15 @@
 #include "core/base/base64.h"
 #include "core/base/call.h"
 #include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/gaussians/affine.h"
 #include "core/gaussians/elsewhere.h"
 
 #define GLB_HEAD 12
 #define CHUNK_HEAD 8
 #define CHUNK_JSON 0x4e4f534aU
 #define CHUNK_BINARY 0x004e4942U
-enum { BUFFERS_MAX = 16, DEPTH_MAX = 16, KIND_FLOAT = 5126 };
+enum { BUFFERS_MAX = 16, DEPTH_MAX = 64, SETS_MAX = 65536, KIND_FLOAT = 5126 };
 
 typedef struct Buffer {
     const unsigned char *bytes;
@@ -33,6 +35,7 @@ typedef struct Numbers {
     const unsigned char *bytes;
     size_t stride;
     int kind, width;
+    bool normalised;
     int64_t count;
 } Numbers;
 
@@ -90,13 +93,41 @@ static bool decode_uri(const Gltf *gltf, Buffer *buffer, const char *uri, FfpErr
     return size >= 0 || fail(gltf, err, "buffers: a data URI that is not base64");
 }
 
-// A file beside the JSON: its name must not lead elsewhere.
+static int digit(char c) {
+    return c >= '0' && c <= '9' ? c - '0' : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10 : -1;
+}
+
+// "%20" and the like (RFC 3986); false if what they stand for does not fit, or is a control character.
+static bool decode_percent(char out[FFP_PATH_MAX], const char *uri) {
+    size_t n = 0;
+    for (; *uri && n + 1 < FFP_PATH_MAX; uri++) {
+        const bool coded = *uri == '%' && digit(uri[1]) >= 0 && digit(uri[2]) >= 0;
+        const char c = coded ? (char)(digit(uri[1]) << 4 | digit(uri[2])) : *uri;
+        if ((unsigned char)c < ' ') return false;
+        out[n++] = c;
+        uri += coded ? 2 : 0;
+    }
+    out[n] = 0;
+    return *uri == 0;
+}
+
+// Whether it leads nowhere but to the folder that it begins in, or below.
+static bool leads_below(const char *name) {
+    if (name[0] == '/' || name[0] == 0 || strchr(name, '\\') || strchr(name, ':')) return false;
+    for (const char *at = name; at; at = strchr(at, '/')) {
+        at += *at == '/';
+        if (strncmp(at, "..", 2) == 0 && (at[2] == '/' || at[2] == 0)) return false;
+    }
+    return true;
+}
+
+// A file beside the JSON or below it: its name must not lead elsewhere.
 static bool read_beside(const Gltf *gltf, Buffer *buffer, const char *uri, FfpError *err) {
-    char path[FFP_PATH_MAX];
+    char path[FFP_PATH_MAX], name[FFP_PATH_MAX] = "";
     char *data;
     const char *base = ffp_basename(gltf->path);
-    if (strchr(uri, '/') || strchr(uri, '\\') || strchr(uri, ':') || uri[0] == '.' ||
-        snprintf(path, sizeof path, "%.*s%s", (int)(base - gltf->path), gltf->path, uri) >= FFP_PATH_MAX)
+    if (!decode_percent(name, uri) || !leads_below(name) ||
+        snprintf(path, sizeof path, "%.*s%s", (int)(base - gltf->path), gltf->path, name) >= FFP_PATH_MAX)
         return ffp_fail(err, FFP_ERROR_FILE, gltf->path, "buffers: '%.100s' is not a file beside it", uri);
     if (!ffp_read_file(path, FFP_SPLAT_FILE_MAX, &data, &buffer->size, err)) return false;
     buffer->bytes = buffer->own = data;
@@ -169,10 +200,10 @@ static bool find_numbers(const Gltf *gltf, const json_t *attributes, const char 
     const int64_t kind = whole(accessor, "componentType", -1), view = whole(accessor, "bufferView", -1);
     *out = (Numbers){.kind = (int)(kind < 65536 ? kind : 0),
                      .width = width_of(json_string_value(json_object_get(accessor, "type"))),
+                     .normalised = json_is_true(json_object_get(accessor, "normalized")),
                      .count = whole(accessor, "count", -1)};
     const bool sound = bytes_of(out->kind) > 0 && out->width == width && out->count >= 0 &&
-                       out->count <= FFP_GAUSSIANS_MAX && view >= 0 && !json_object_get(accessor, "sparse") &&
-                       (out->kind == KIND_FLOAT || json_is_true(json_object_get(accessor, "normalized")));
+                       out->count <= FFP_GAUSSIANS_MAX && view >= 0 && !json_object_get(accessor, "sparse");
     const json_t *of =
         view < 0 ? NULL : json_array_get(json_object_get(gltf->root, "bufferViews"), (size_t)view);
     if (sound && lies_inside(gltf, of, whole(accessor, "byteOffset", 0), out)) return true;
@@ -186,16 +217,17 @@ static double number_at(const Numbers *numbers, int64_t i, int c) {
     const unsigned char *at = numbers->bytes + (size_t)i * numbers->stride + (size_t)c * each;
     const uint32_t small = each == 1 ? at[0] : at[0] | (uint32_t)at[1] << 8,
                    bits = each == 4 ? get_u32(at) : 0;
+    const bool normalised = numbers->normalised;
     float value;
     switch (numbers->kind) {
     case 5120:
-        return fmax((double)(int8_t)small / 127, -1);
+        return normalised ? fmax((double)(int8_t)small / 127, -1) : (int8_t)small;
     case 5121:
-        return small / 255.0;
+        return normalised ? small / 255.0 : small;
     case 5122:
-        return fmax((double)(int16_t)small / 32767, -1);
+        return normalised ? fmax((double)(int16_t)small / 32767, -1) : (int16_t)small;
     case 5123:
-        return small / 65535.0;
+        return normalised ? small / 65535.0 : small;
     default:
         memcpy(&value, &bits, sizeof value);
         return (double)value;
@@ -204,73 +236,38 @@ static double number_at(const Numbers *numbers, int64_t i, int c) {
 
 // --- Splats. ---
 
-// Its mesh comes back too; NULL: there is none, or more than one.
-static const json_t *find_primitive(const Gltf *gltf, json_int_t *mesh, FfpError *err) {
-    const json_t *meshes = json_object_get(gltf->root, "meshes"), *found = NULL;
-    for (size_t m = 0; m < json_array_size(meshes); m++) {
-        const json_t *list = json_object_get(json_array_get(meshes, m), "primitives");
-        for (size_t p = 0; p < json_array_size(list); p++) {
-            const json_t *one = json_array_get(list, p);
-            if (!json_object_get(json_object_get(one, "extensions"), FFP_SPLAT_EXTENSION)) continue;
-            if (found) {
-                fail(gltf, err, "holds several sets of splats: export them as one");
-                return NULL;
-            }
-            found = one;
-            *mesh = (json_int_t)m;
-        }
-    }
-    if (!found) fail(gltf, err, "holds no splats (" FFP_SPLAT_EXTENSION ")");
-    return found;
-}
-
-static bool holds(const json_t *node, json_int_t mesh, const bool *on_way, size_t n) {
-    const json_t *own = json_object_get(node, "mesh"), *children = json_object_get(node, "children");
-    bool yes = json_is_integer(own) && json_integer_value(own) == mesh;
-    for (size_t c = 0; c < json_array_size(children); c++) {
-        const json_int_t child = json_integer_value(json_array_get(children, c));
-        yes = yes || (child >= 0 && (size_t)child < n && on_way[child]);
-    }
-    return yes;
-}
-
-// Nodes on the way to the mesh whose transform would need to be applied to centres, sizes and rotations.
-static bool check_nodes(const Gltf *gltf, json_int_t mesh, FfpError *err) {
-    static const char *const moves[] = {"matrix", "translation", "rotation", "scale"};
-    const json_t *nodes = json_object_get(gltf->root, "nodes");
-    const size_t n = json_array_size(nodes);
-    bool *on_way = ffp_alloc(n, sizeof *on_way), ok = true;
-    for (int depth = 0; depth < DEPTH_MAX; depth++)
-        for (size_t i = 0; i < n; i++) on_way[i] |= holds(json_array_get(nodes, i), mesh, on_way, n);
-    for (size_t i = 0; i < n && ok; i++)
-        for (int k = 0; k < 4 && ok; k++)
-            if (on_way[i] && json_object_get(json_array_get(nodes, i), moves[k]))
-                ok =
-                    ffp_fail(err, FFP_ERROR_UNSUPPORTED, gltf->path,
-                             "nodes[%zu] has a %s: apply it in the program that wrote the file", i, moves[k]);
-    ffp_free(on_way);
-    return ok;
-}
-
 typedef struct Splats {
     Numbers position, rotation, scale, opacity, colour;
-    bool linear; // the colour is linear light
+    bool linear;    // the colour is linear light
+    bool harmonics; // beyond the constant
 } Splats;
 
-static bool find_splats(const Gltf *gltf, Splats *splats, FfpError *err) {
-    json_int_t mesh = 0;
-    const json_t *primitive = find_primitive(gltf, &mesh, err);
-    if (!primitive || !check_nodes(gltf, mesh, err)) return false;
-    const json_t *how = json_object_get(json_object_get(primitive, "extensions"), FFP_SPLAT_EXTENSION);
-    if (json_object_get(how, "extensions")) {
-        ffp_fail(err, FFP_ERROR_UNSUPPORTED, gltf->path,
-                 "its splats are compressed: export them uncompressed, or as SPZ");
-        return false;
+// What the extension says of a primitive that cannot be read, or is drawn otherwise than it asks for.
+static bool check_extension(const Gltf *gltf, const json_t *how, FfpError *err) {
+    const char *kernel = json_string_value(json_object_get(how, "kernel")), *name;
+    json_t *of = json_object_get(how, "extensions"), *value;
+    const char *other = kernel && strcmp(kernel, "ellipse") != 0 ? kernel : NULL;
+    json_object_foreach(of, name, value) {
+        if (strstr(name, "compression")) {
+            ffp_fail(err, FFP_ERROR_UNSUPPORTED, gltf->path,
+                     "its splats are compressed (%.60s): export them uncompressed, or as SPZ", name);
+            return false;
+        }
+        other = other ? other : name;
     }
+    if (other)
+        ffp_note("%s: splats of %.60s are drawn as ellipses, without what it adds", ffp_basename(gltf->path),
+                 other);
+    return true;
+}
+
+static bool find_splats(const Gltf *gltf, const json_t *primitive, Splats *splats, FfpError *err) {
+    const json_t *how = json_object_get(json_object_get(primitive, "extensions"), FFP_SPLAT_EXTENSION);
     const char *space = json_string_value(json_object_get(how, "colorSpace"));
     const json_t *of = json_object_get(primitive, "attributes");
     splats->linear = space && strncmp(space, "lin_", 4) == 0;
-    if (!find_numbers(gltf, of, "POSITION", 3, &splats->position, err) ||
+    splats->harmonics = json_object_get(of, FFP_SPLAT_EXTENSION ":SH_DEGREE_1_COEF_0") != NULL;
+    if (!check_extension(gltf, how, err) || !find_numbers(gltf, of, "POSITION", 3, &splats->position, err) ||
         !find_numbers(gltf, of, FFP_SPLAT_EXTENSION ":ROTATION", 4, &splats->rotation, err) ||
         !find_numbers(gltf, of, FFP_SPLAT_EXTENSION ":SCALE", 3, &splats->scale, err) ||
         !find_numbers(gltf, of, FFP_SPLAT_EXTENSION ":OPACITY", 1, &splats->opacity, err) ||
@@ -283,42 +280,156 @@ static bool find_splats(const Gltf *gltf, Splats *splats, FfpError *err) {
 }
 
 static void get_row(const Splats *splats, int64_t i, float row[FFP_ROW_NUMBERS]) {
-    // NaN, which fmax would hide, stays one, and ffp_splat_put names it; so does the logarithm of a scale
-    // below 0
-    const double given = number_at(&splats->opacity, i, 0),
-                 opacity = isnan(given) ? given : fmin(fmax(given, 1e-6), 1 - 1e-6);
     memset(row, 0, FFP_ROW_NUMBERS * sizeof *row);
     for (int k = 0; k < 3; k++) {
         row[FFP_ROW_POSITION + k] = (float)number_at(&splats->position, i, k);
-        row[FFP_ROW_SCALE + k] = (float)log(number_at(&splats->scale, i, k));
+        row[FFP_ROW_SCALE + k] = (float)log(number_at(&splats->scale, i, k)); // below 0: NaN
         row[FFP_ROW_AMBIENT + k] = (float)number_at(&splats->colour, i, k);
     }
-    row[FFP_ROW_OPACITY] = (float)log(opacity / (1 - opacity));
+    row[FFP_ROW_OPACITY] = (float)ffp_splat_logit(number_at(&splats->opacity, i, 0));
     for (int k = 0; k < 4; k++) // x y z w in the file
         row[FFP_ROW_ROTATION + k] = (float)number_at(&splats->rotation, i, (k + 3) % 4);
 }
 
-// Colours in linear light were decoded as if they were encoded.
-static void take_linear(FfpGaussians *gaussians, int64_t i, const float row[FFP_ROW_NUMBERS]) {
-    for (int k = 0; k < 3; k++)
-        gaussians->ambient[3 * i + k] = (real)(0.5 + FFP_SH_C0 * (double)row[FFP_ROW_AMBIENT + k]);
-    ffp_splat_complete(gaussians, i);
+// --- Where the nodes put them. ---
+
+typedef struct Placed {
+    Splats splats;
+    FfpAffine to_world;
+    bool moved; // it is not the identity
+} Placed;
+
+typedef struct Scene {
+    Placed *placed;
+    int count;
+    int64_t splats;
+} Scene;
+
+static const json_t *extension_of(const json_t *primitive) {
+    return json_object_get(json_object_get(primitive, "extensions"), FFP_SPLAT_EXTENSION);
+}
+
+// `parents` of the nodes; -1: none.
+static bool find_parents(const Gltf *gltf, const json_t *nodes, int *parents, FfpError *err) {
+    const size_t n = json_array_size(nodes);
+    for (size_t i = 0; i < n; i++) parents[i] = -1;
+    for (size_t i = 0; i < n; i++) {
+        const json_t *children = json_object_get(json_array_get(nodes, i), "children");
+        for (size_t c = 0; c < json_array_size(children); c++) {
+            const json_t *child = json_array_get(children, c);
+            const json_int_t at = json_is_integer(child) ? json_integer_value(child) : -1;
+            if (at < 0 || (size_t)at >= n || parents[at] >= 0) {
+                ffp_fail(err, FFP_ERROR_FILE, gltf->path, "nodes[%zu]: invalid children", i);
+                return false;
+            }
+            parents[at] = (int)i;
+        }
+    }
+    return true;
+}
+
+static bool get_list(const json_t *node, const char *key, int n, double *out) {
+    const json_t *list = json_object_get(node, key);
+    if (!list) return false;
+    for (int i = 0; i < n; i++) out[i] = json_number_value(json_array_get(list, (size_t)i));
+    return json_array_size(list) == (size_t)n;
+}
+
+// The node's own transform; `moved` becomes true if it has one.
+static FfpAffine transform_of(const json_t *node, bool *moved) {
+    FfpAffine own = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0}};
+    double matrix[16], turn[4] = {0, 0, 0, 1}, size[3] = {1, 1, 1};
+    if (get_list(node, "matrix", 16, matrix)) { // by columns
+        *moved = true;
+        for (int i = 0; i < 9; i++) own.a[i] = matrix[4 * (i % 3) + i / 3];
+        for (int i = 0; i < 3; i++) own.t[i] = matrix[12 + i];
+        return own;
+    }
+    const bool turned = get_list(node, "rotation", 4, turn), sized = get_list(node, "scale", 3, size);
+    *moved |= get_list(node, "translation", 3, own.t) || turned || sized;
+    const double xyzw[4] = {turn[3], turn[0], turn[1], turn[2]};
+    if (turned) ffp_affine_rotation(xyzw, own.a);
+    for (int i = 0; i < 9; i++) own.a[i] *= size[i % 3];
+    return own;
+}
+
+// Applies the node's transform and those of all above it. Error: they go around in a circle.
+static bool place(const Gltf *gltf, const json_t *nodes, const int *parents, size_t node, Placed *placed,
+                  FfpError *err) {
+    placed->moved = false;
+    placed->to_world = transform_of(json_array_get(nodes, node), &placed->moved);
+    int depth = 0;
+    for (int at = parents[node]; at >= 0; at = parents[at]) {
+        const FfpAffine above = transform_of(json_array_get(nodes, (size_t)at), &placed->moved);
+        placed->to_world = ffp_affine_product(&above, &placed->to_world);
+        if (++depth == DEPTH_MAX) {
+            ffp_fail(err, FFP_ERROR_FILE, gltf->path, "nodes[%zu] has %d others above it", node, depth);
+            return false;
+        }
+    }
+    return true;
+}
+
+// The splats of a mesh, placed as `where` says.
+static bool add_mesh(const Gltf *gltf, Scene *scene, json_int_t mesh, const Placed *where, FfpError *err) {
+    const json_t *list =
+        json_object_get(json_array_get(json_object_get(gltf->root, "meshes"), (size_t)mesh), "primitives");
+    for (size_t p = 0; p < json_array_size(list); p++) {
+        const json_t *primitive = json_array_get(list, p);
+        if (!extension_of(primitive)) continue;
+        if (scene->count == SETS_MAX) return fail(gltf, err, "holds too many sets of splats");
+        scene->placed = ffp_grow(scene->placed, (size_t)scene->count + 1, sizeof *scene->placed);
+        Placed *placed = &scene->placed[scene->count++];
+        *placed = *where;
+        if (!find_splats(gltf, primitive, &placed->splats, err)) return false;
+        scene->splats += placed->splats.position.count;
+        if (scene->splats > FFP_GAUSSIANS_MAX) return fail(gltf, err, "holds too many splats");
+    }
+    return true;
+}
+
+// Every mesh as often as nodes show it, and once where none does.
+static bool find_scene(const Gltf *gltf, Scene *scene, int *parents, FfpError *err) {
+    const json_t *nodes = json_object_get(gltf->root, "nodes"),
+                 *meshes = json_object_get(gltf->root, "meshes");
+    if (!find_parents(gltf, nodes, parents, err)) return false;
+    for (size_t m = 0; m < json_array_size(meshes); m++) {
+        bool shown = false;
+        for (size_t i = 0; i < json_array_size(nodes); i++) {
+            const json_t *mesh = json_object_get(json_array_get(nodes, i), "mesh");
+            Placed placed = {0};
+            if (!json_is_integer(mesh) || json_integer_value(mesh) != (json_int_t)m) continue;
+            shown = true;
+            if (!place(gltf, nodes, parents, i, &placed, err) ||
+                !add_mesh(gltf, scene, (json_int_t)m, &placed, err))
+                return false;
+        }
+        if (!shown && !add_mesh(gltf, scene, (json_int_t)m, &(Placed){0}, err)) return false;
+    }
+    return scene->count > 0 || fail(gltf, err, "holds no splats (" FFP_SPLAT_EXTENSION ")");
 }
 
 static bool read_splats(FfpGaussians *gaussians, const Gltf *gltf, FfpError *err) {
-    Splats splats = {0};
-    if (!find_splats(gltf, &splats, err)) return false;
-    *gaussians = ffp_gaussians_new(splats.position.count);
-    for (int64_t i = 0; i < gaussians->count; i++) {
-        float row[FFP_ROW_NUMBERS];
-        get_row(&splats, i, row);
-        if (!ffp_splat_put(gaussians, i, row, gltf->path, err)) {
-            ffp_gaussians_free(gaussians);
-            return false;
+    Scene scene = {0};
+    FfpSplatSet set;
+    int *parents = ffp_alloc(json_array_size(json_object_get(gltf->root, "nodes")), sizeof *parents);
+    bool ok = find_scene(gltf, &scene, parents, err);
+    if (ok) ffp_splats_begin(&set, gaussians, scene.splats, gltf->path);
+    for (int p = 0; ok && p < scene.count; p++) {
+        const Placed *placed = &scene.placed[p];
+        set.linear = placed->splats.linear;
+        set.harmonics |= placed->splats.harmonics;
+        for (int64_t i = 0; i < placed->splats.position.count; i++) {
+            float row[FFP_ROW_NUMBERS];
+            get_row(&placed->splats, i, row);
+            if (placed->moved) ffp_affine_move(&placed->to_world, row);
+            ffp_splats_add(&set, row);
         }
-        if (splats.linear) take_linear(gaussians, i, row);
     }
-    return true;
+    ok = ok && ffp_splats_end(&set, true, err);
+    ffp_free(scene.placed);
+    ffp_free(parents);
+    return ok;
 }
 
 bool ffp_gaussians_read_gltf(FfpGaussians *gaussians, const char *path, FfpError *err) {
@@ -337,6 +448,5 @@ bool ffp_gaussians_read_gltf(FfpGaussians *gaussians, const char *path, FfpError
         json_decref(gltf.root);
     }
     ffp_free(data);
-    if (ok) ffp_splats_note(path);
     return ok;
 }

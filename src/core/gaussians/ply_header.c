@@ -4,11 +4,12 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "core/gaussians/row.h"
 
 #define PATTERN "comment made from pattern "
 #define BAKED "comment shadows baked from "
 
-enum { LINE_BYTES = 512, LINES_MAX = 4096, STRIDE_MAX = 65536 };
+enum { LINE_BYTES = 512, LINES_MAX = 4096 };
 
 // One line without its end; false at the end of the file, or when it is longer than any sound one.
 static bool read_line(FILE *stream, char line[LINE_BYTES]) {
@@ -20,74 +21,79 @@ static bool read_line(FILE *stream, char line[LINE_BYTES]) {
     return true;
 }
 
-// Bytes of a scalar type; 0 when it is none.
-static int type_bytes(const char *type) {
-    static const struct {
-        const char *name;
-        int bytes;
-    } types[] = {{"char", 1},  {"uchar", 1},   {"int8", 1},   {"uint8", 1},  {"short", 2}, {"ushort", 2},
-                 {"int16", 2}, {"uint16", 2},  {"int", 4},    {"uint", 4},   {"int32", 4}, {"uint32", 4},
-                 {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
-    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
-        if (strcmp(type, types[i].name) == 0) return types[i].bytes;
-    return 0;
+static FfpPlyType type_of(const char *name) {
+    static const char *const names[][2] = {
+        [FFP_PLY_INT8] = {"char", "int8"},      [FFP_PLY_UINT8] = {"uchar", "uint8"},
+        [FFP_PLY_INT16] = {"short", "int16"},   [FFP_PLY_UINT16] = {"ushort", "uint16"},
+        [FFP_PLY_INT32] = {"int", "int32"},     [FFP_PLY_UINT32] = {"uint", "uint32"},
+        [FFP_PLY_FLOAT] = {"float", "float32"}, [FFP_PLY_DOUBLE] = {"double", "float64"},
+    };
+    for (int i = 0; i < FFP_PLY_NO_TYPE; i++)
+        if (strcmp(name, names[i][0]) == 0 || strcmp(name, names[i][1]) == 0) return (FfpPlyType)i;
+    return FFP_PLY_NO_TYPE;
 }
 
-static bool is_float(const char *type) {
-    return strcmp(type, "float") == 0 || strcmp(type, "float32") == 0 || strcmp(type, "double") == 0 ||
-           strcmp(type, "float64") == 0;
+static bool known_type(FfpPlyType *type, const char *text, const char *line, const char *path,
+                       FfpError *err) {
+    *type = type_of(text);
+    return *type != FFP_PLY_NO_TYPE ||
+           ffp_fail(err, FFP_ERROR_FILE, path, "\"%.60s\": unknown type %s", line, text);
 }
 
-static bool read_property(FfpPlyHeader *header, const char *line, const char *path, FfpError *err) {
-    char type[32], name[64], rest[2];
-    if (sscanf(line, "property %31s %63s %1s", type, name, rest) != 2)
-        return ffp_fail(err, FFP_ERROR_FILE, path, "property \"%s\" is not a single number", line);
-    const int bytes = type_bytes(type);
-    if (bytes == 0)
-        return ffp_fail(err, FFP_ERROR_FILE, path, "property %s has the unknown type %s", name, type);
-    for (int i = 0; i < FFP_ROW_NUMBERS; i++) {
-        if (strcmp(name, ffp_row_names[i]) != 0) continue;
-        if (header->offset[i] >= 0) return ffp_fail(err, FFP_ERROR_FILE, path, "duplicate property %s", name);
-        if (!is_float(type))
-            return ffp_fail(err, FFP_ERROR_FILE, path, "property %s is %s, not float", name, type);
-        header->offset[i] = header->stride;
-        header->wide |= bytes == 8 ? 1U << i : 0U;
-    }
-    header->stride += bytes;
-    if (header->stride > STRIDE_MAX)
-        return ffp_fail(err, FFP_ERROR_FILE, path, "a row has more than %d bytes", STRIDE_MAX);
+static bool read_property(FfpPly *ply, const char *line, const char *path, FfpError *err) {
+    char length[32] = "", type[32], name[FFP_PLY_NAME], rest[2];
+    FfpPlyElement *element = &ply->elements[ply->n_elements - 1];
+    FfpPlyProperty one = {.length = FFP_PLY_NO_TYPE};
+    if (sscanf(line, "property list %31s %31s %63s %1s", length, type, name, rest) == 3)
+        element->lists = true;
+    else if (sscanf(line, "property %31s %63s %1s", type, name, rest) != 2)
+        return ffp_fail(err, FFP_ERROR_FILE, path, "PLY header: cannot understand \"%.60s\"", line);
+    if (!known_type(&one.type, type, line, path, err) ||
+        (length[0] && !known_type(&one.length, length, line, path, err)))
+        return false;
+    if (length[0] && one.length >= FFP_PLY_FLOAT)
+        return ffp_fail(err, FFP_ERROR_FILE, path, "property %s: a list's length is a whole number", name);
+    if (ffp_ply_find(ply, element, name) >= 0)
+        return ffp_fail(err, FFP_ERROR_FILE, path, "duplicate property %s", name);
+    if (ply->n_properties == FFP_PLY_PROPERTIES)
+        return ffp_fail(err, FFP_ERROR_FILE, path, "has more than %d properties", FFP_PLY_PROPERTIES);
+    snprintf(one.name, sizeof one.name, "%s", name);
+    element->stride += ffp_ply_bytes(length[0] ? one.length : one.type);
+    element->properties++;
+    ply->properties[ply->n_properties++] = one;
     return true;
 }
 
-static bool read_element(FfpPlyHeader *header, const char *line, const char *path, FfpError *err) {
-    char name[64], number[32], rest[2];
+static bool read_element(FfpPly *ply, const char *line, const char *path, FfpError *err) {
+    char name[FFP_PLY_NAME], number[32], rest[2];
     if (sscanf(line, "element %63s %31s %1s", name, number, rest) != 2)
-        return ffp_fail(err, FFP_ERROR_FILE, path, "cannot understand \"%s\"", line);
-    if (strcmp(name, "vertex") != 0 || header->count >= 0)
-        return ffp_fail(err, FFP_ERROR_FILE, path,
-                        "has an element %s: Gaussians are a single element, vertex", name);
+        return ffp_fail(err, FFP_ERROR_FILE, path, "cannot understand \"%.60s\"", line);
+    if (ffp_ply_element(ply, name))
+        return ffp_fail(err, FFP_ERROR_FILE, path, "has an element %s twice", name);
+    if (ply->n_elements == FFP_PLY_ELEMENTS)
+        return ffp_fail(err, FFP_ERROR_FILE, path, "has more than %d elements", FFP_PLY_ELEMENTS);
     char *end = NULL;
     errno = 0;
     const long long count = strtoll(number, &end, 10);
     if (errno != 0 || *end != 0 || count < 0 || count > FFP_GAUSSIANS_MAX)
-        return ffp_fail(err, FFP_ERROR_FILE, path, "element vertex: count %s is not in 0..%d", number,
+        return ffp_fail(err, FFP_ERROR_FILE, path, "element %s: count %s is not in 0..%d", name, number,
                         FFP_GAUSSIANS_MAX);
-    header->count = count;
+    FfpPlyElement *element = &ply->elements[ply->n_elements++];
+    *element = (FfpPlyElement){.count = count, .first = ply->n_properties};
+    snprintf(element->name, sizeof element->name, "%s", name);
     return true;
 }
 
-static bool check_complete(FfpPlyHeader *header, const char *path, FfpError *err) {
-    if (header->count < 0) return ffp_fail(err, FFP_ERROR_FILE, path, "holds no element vertex");
-    header->plain = true;
-    for (int i = FFP_ROW_ALBEDO; i < FFP_ROW_NUMBERS; i++) header->plain &= header->offset[i] < 0;
-    header->flat = header->offset[FFP_ROW_SCALE + 2] < 0;
-    for (int i = 0; i < FFP_ROW_NUMBERS; i++) {
-        const bool optional =
-            (header->plain && i >= FFP_ROW_ALBEDO) || (header->flat && i == FFP_ROW_SCALE + 2);
-        if (header->offset[i] < 0 && !optional)
-            return ffp_fail(err, FFP_ERROR_FILE, path, "property %s is missing", ffp_row_names[i]);
-    }
-    return true;
+const FfpPlyElement *ffp_ply_element(const FfpPly *ply, const char *name) {
+    for (int i = 0; i < ply->n_elements; i++)
+        if (strcmp(ply->elements[i].name, name) == 0) return &ply->elements[i];
+    return NULL;
+}
+
+int ffp_ply_find(const FfpPly *ply, const FfpPlyElement *element, const char *name) {
+    for (int i = 0; i < element->properties; i++)
+        if (strcmp(ply->properties[element->first + i].name, name) == 0) return i;
+    return -1;
 }
 
 static bool starts_with(const char *line, const char *word) {
@@ -110,24 +116,38 @@ static bool read_baked(FfpBakedShadows *baked, const char *text) {
            isfinite(baked->within) && baked->within > 0;
 }
 
-bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, FfpError *err) {
+static bool read_encoding(FfpPly *ply, FILE *stream, const char *path, FfpError *err) {
+    static const char *const formats[] = {[FFP_PLY_ASCII] = "format ascii 1.0",
+                                          [FFP_PLY_LITTLE] = "format binary_little_endian 1.0",
+                                          [FFP_PLY_BIG] = "format binary_big_endian 1.0"};
     char line[LINE_BYTES];
-    *header = (FfpPlyHeader){.count = -1};
-    for (int i = 0; i < FFP_ROW_NUMBERS; i++) header->offset[i] = -1;
     if (!read_line(stream, line) || strcmp(line, "ply") != 0)
         return ffp_fail(err, FFP_ERROR_FILE, path, "is not a PLY file");
-    if (!read_line(stream, line) || strcmp(line, "format binary_little_endian 1.0") != 0)
-        return ffp_fail(err, FFP_ERROR_FILE, path, "PLY is not binary_little_endian 1.0");
+    bool more = read_line(stream, line); // comments before the format break the rules, and occur
+    while (more && (starts_with(line, "comment") || starts_with(line, "obj_info")))
+        more = read_line(stream, line);
+    for (int i = 0; more && i < 3; i++) {
+        ply->encoding = (FfpPlyEncoding)i;
+        if (strcmp(line, formats[i]) == 0) return true;
+    }
+    return ffp_fail(err, FFP_ERROR_FILE, path,
+                    "PLY header: no format ascii, binary_little_endian or binary_big_endian 1.0");
+}
+
+bool ffp_ply_header_read(FfpPly *ply, FILE *stream, const char *path, FfpError *err) {
+    char line[LINE_BYTES];
+    *ply = (FfpPly){0};
+    if (!read_encoding(ply, stream, path, err)) return false;
     for (int i = 0; i < LINES_MAX && read_line(stream, line); i++) {
-        if (strcmp(line, "end_header") == 0) return check_complete(header, path, err);
-        if (starts_with(line, BAKED) && !read_baked(&header->baked, line + strlen(BAKED)))
+        if (strcmp(line, "end_header") == 0) return true;
+        if (starts_with(line, BAKED) && !read_baked(&ply->baked, line + strlen(BAKED)))
             return ffp_fail(err, FFP_ERROR_FILE, path, "PLY header: cannot understand \"%.60s\"", line);
-        if (starts_with(line, PATTERN)) ffp_made_from_add(header->made_from, line + strlen(PATTERN));
+        if (starts_with(line, PATTERN)) ffp_made_from_add(ply->made_from, line + strlen(PATTERN));
         if (starts_with(line, "comment") || starts_with(line, "obj_info")) continue;
         if (starts_with(line, "element ")) {
-            if (!read_element(header, line, path, err)) return false;
-        } else if (starts_with(line, "property ") && header->count >= 0) {
-            if (!read_property(header, line, path, err)) return false;
+            if (!read_element(ply, line, path, err)) return false;
+        } else if (starts_with(line, "property ") && ply->n_elements > 0) {
+            if (!read_property(ply, line, path, err)) return false;
         } else {
             return ffp_fail(err, FFP_ERROR_FILE, path, "PLY header: cannot understand \"%.60s\"", line);
         }

@@ -102,7 +102,8 @@ int ffp_row_decode(const float row[FFP_ROW_NUMBERS], FfpGaussians *gaussians, in
         for (int i = 0; i < to.width; i++) {
             const int number = columns[a].first + i;
             const double value = columns[a].decode((double)row[number]);
-            if (!isfinite(row[number]) || !isfinite((float)value)) return number;
+            const bool endless = a == FFP_OPACITY && !isnan(row[number]); // the logits of 0 and 1
+            if (!(isfinite(row[number]) || endless) || !isfinite((float)value)) return number;
             to.data[index * to.width + i] = (real)value;
         }
     }

@@ -1,17 +1,23 @@
-// SPZ: a header of 16 bytes and the attributes one after the other, gzipped.
+// SPZ: a header of 16 bytes and the attributes one after the other, gzipped; in version 4 a header of 32
+// bytes, a table of sizes and each attribute compressed by Zstandard.
 #include <math.h>
 #include <string.h>
 #include <zlib.h>
 #include "core/base/file.h"
 #include "core/gaussians/elsewhere.h"
 
-#define VERSION_MAX 3
-#define HARMONICS_MAX 45 // bytes of a splat
-#define RATIO_MAX 1032   // of deflate: no file grows by more
+#define VERSION_STREAMS 4 // attributes are streams of their own
+#define HEADER_STREAMS 32 // bytes
+#define HARMONICS_MAX 72  // bytes of a splat
+#define RATIO_MAX 1032    // of deflate: no file grows by more
+#define RATIO_ZSTD 43691  // of Zstandard: a block of 128 KiB from three bytes
+enum { ATTRIBUTES = 5 };  // without the harmonics
 
 typedef struct Spz {
+    const char *path;
     uint32_t version, count;
-    int bits; // behind the point of fixed positions
+    int bits;      // behind the point of fixed positions
+    int harmonics; // degree
     const unsigned char *position, *alpha, *colour, *scale, *rotation;
 } Spz;
 
@@ -65,37 +71,44 @@ static size_t unzip(const Zipped *zipped, unsigned char *out, size_t size, size_
 
 // --- The parts. ---
 
-static size_t position_bytes(const Spz *spz) {
-    return spz->version == 1 ? 6 : 9;
+// Bytes of a splat's position, opacity, colour, scale and rotation.
+static size_t bytes_of(const Spz *spz, int attribute) {
+    const size_t bytes[ATTRIBUTES] = {spz->version == 1 ? 6 : 9, 1, 3, 3, spz->version >= 3 ? 4 : 3};
+    return bytes[attribute];
 }
 
-static size_t rotation_bytes(const Spz *spz) {
-    return spz->version == 3 ? 4 : 3;
+static size_t splat_bytes(const Spz *spz) {
+    size_t sum = 0;
+    for (int a = 0; a < ATTRIBUTES; a++) sum += bytes_of(spz, a);
+    return sum;
 }
 
-static bool read_header(Spz *spz, const unsigned char *bytes, const char *path, FfpError *err) {
+// `most`: the last version that is stored as this one is.
+static bool read_header(Spz *spz, const unsigned char *bytes, uint32_t most, FfpError *err) {
     if (get_u32(bytes) != FFP_SPZ_MAGIC)
-        return ffp_fail(err, FFP_ERROR_FILE, path, "is gzipped, but not SPZ");
+        return ffp_fail(err, FFP_ERROR_FILE, spz->path, "is gzipped, but not SPZ");
     spz->version = get_u32(bytes + 4);
     spz->count = get_u32(bytes + 8);
+    spz->harmonics = bytes[12];
     spz->bits = bytes[13];
-    if (spz->version < 1 || spz->version > VERSION_MAX)
-        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, path, "SPZ of version %u: 1 to %d are read",
-                        (unsigned)spz->version, VERSION_MAX);
+    if (spz->version < 1 || spz->version > most)
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, spz->path, "SPZ of version %u%s: 1 to %d are read",
+                        (unsigned)spz->version, spz->version == VERSION_STREAMS ? ", gzipped" : "",
+                        VERSION_STREAMS);
     if (spz->count > FFP_GAUSSIANS_MAX)
-        return ffp_fail(err, FFP_ERROR_FILE, path, "%u Gaussians are not in 0..%d", (unsigned)spz->count,
+        return ffp_fail(err, FFP_ERROR_FILE, spz->path, "%u Gaussians are not in 0..%d", (unsigned)spz->count,
                         FFP_GAUSSIANS_MAX);
-    return spz->bits <= 23 || ffp_fail(err, FFP_ERROR_FILE, path,
+    return spz->bits <= 23 || ffp_fail(err, FFP_ERROR_FILE, spz->path,
                                        "positions of 24 bits cannot have %d behind the point", spz->bits);
 }
 
 static void find_parts(Spz *spz, const unsigned char *bytes) {
-    const size_t n = spz->count;
-    spz->position = bytes + FFP_SPZ_HEADER;
-    spz->alpha = spz->position + position_bytes(spz) * n;
-    spz->colour = spz->alpha + n;
-    spz->scale = spz->colour + 3 * n;
-    spz->rotation = spz->scale + 3 * n;
+    const unsigned char **const parts[ATTRIBUTES] = {&spz->position, &spz->alpha, &spz->colour, &spz->scale,
+                                                     &spz->rotation};
+    for (int a = 0; a < ATTRIBUTES; a++) {
+        *parts[a] = bytes;
+        bytes += bytes_of(spz, a) * spz->count;
+    }
 }
 
 // Versions 1 and 2: x y z as bytes, w what is left of 1.
@@ -109,8 +122,8 @@ static void get_three(const unsigned char *bytes, float wxyz[4]) {
     wxyz[0] = (float)sqrt(fmax(1 - square, 0));
 }
 
-// Version 3: the three smaller parts, 10 bits each (sign and 9 bits of size), x y z w in order, behind the
-// index of the largest, which is positive.
+// Versions 3 and 4: the three smaller parts, 10 bits each (sign and 9 bits of size), x y z w in order, behind
+// the index of the largest, which is positive.
 static void get_smallest_three(const unsigned char *bytes, float wxyz[4]) {
     uint32_t packed = get_u32(bytes);
     const int largest = (int)(packed >> 30);
@@ -127,7 +140,6 @@ static void get_smallest_three(const unsigned char *bytes, float wxyz[4]) {
 }
 
 static void get_row(const Spz *spz, size_t i, float row[FFP_ROW_NUMBERS]) {
-    const double alpha = fmin(fmax(spz->alpha[i] / 255.0, 1e-6), 1 - 1e-6);
     memset(row, 0, FFP_ROW_NUMBERS * sizeof *row);
     for (size_t k = 0; k < 3; k++) {
         row[FFP_ROW_POSITION + k] =
@@ -136,48 +148,109 @@ static void get_row(const Spz *spz, size_t i, float row[FFP_ROW_NUMBERS]) {
         row[FFP_ROW_AMBIENT + k] = (float)((spz->colour[3 * i + k] / 255.0 - 0.5) / FFP_SPZ_COLOUR);
         row[FFP_ROW_SCALE + k] = (float)(spz->scale[3 * i + k] / 16.0 - 10);
     }
-    row[FFP_ROW_OPACITY] = (float)log(alpha / (1 - alpha));
-    if (spz->version == 3)
+    row[FFP_ROW_OPACITY] = (float)ffp_splat_logit(spz->alpha[i] / 255.0);
+    if (spz->version >= 3)
         get_smallest_three(spz->rotation + 4 * i, row + FFP_ROW_ROTATION);
     else
         get_three(spz->rotation + 3 * i, row + FFP_ROW_ROTATION);
 }
 
-static bool read_parts(FfpGaussians *gaussians, Spz *spz, const Zipped *zipped, const char *path,
-                       FfpError *err) {
-    const size_t size = FFP_SPZ_HEADER + (position_bytes(spz) + 7 + rotation_bytes(spz)) * (size_t)spz->count;
-    if (size / RATIO_MAX > zipped->size)
-        return ffp_fail(err, FFP_ERROR_FILE, path, "%u Gaussians do not fit into its %zu bytes",
-                        (unsigned)spz->count, zipped->size);
-    unsigned char *bytes = ffp_alloc(size, 1);
-    bool whole = false;
-    bool ok = unzip(zipped, bytes, size, (size_t)HARMONICS_MAX * spz->count, &whole) == size ||
-              ffp_fail(err, FFP_ERROR_FILE, path, "ends before its %u Gaussians do", (unsigned)spz->count);
-    ok = ok && (whole || ffp_fail(err, FFP_ERROR_FILE, path, "is damaged: its checksum differs"));
-    find_parts(spz, bytes);
-    if (ok) *gaussians = ffp_gaussians_new(spz->count);
-    for (size_t i = 0; ok && i < spz->count; i++) {
+static bool put_splats(FfpGaussians *gaussians, Spz *spz, const unsigned char *attributes, FfpError *err) {
+    FfpSplatSet set;
+    find_parts(spz, attributes);
+    ffp_splats_begin(&set, gaussians, spz->count, spz->path);
+    set.harmonics = spz->harmonics > 0;
+    for (size_t i = 0; i < spz->count; i++) {
         float row[FFP_ROW_NUMBERS];
         get_row(spz, i, row);
-        ok = ffp_splat_put(gaussians, (int64_t)i, row, path, err);
+        ffp_splats_add(&set, row);
     }
+    return ffp_splats_end(&set, true, err);
+}
+
+static bool fits(const Spz *spz, size_t bytes, size_t ratio, size_t size, FfpError *err) {
+    return bytes / ratio <= size ||
+           ffp_fail(err, FFP_ERROR_FILE, spz->path, "%u Gaussians do not fit into its %zu bytes",
+                    (unsigned)spz->count, size);
+}
+
+static bool read_zipped(FfpGaussians *gaussians, Spz *spz, const Zipped *zipped, FfpError *err) {
+    unsigned char header[FFP_SPZ_HEADER] = {0};
+    if (unzip(zipped, header, FFP_SPZ_HEADER, 0, NULL) != FFP_SPZ_HEADER)
+        return ffp_fail(err, FFP_ERROR_FILE, spz->path, "is not an SPZ file");
+    if (!read_header(spz, header, VERSION_STREAMS - 1, err)) return false;
+    const size_t size = FFP_SPZ_HEADER + splat_bytes(spz) * spz->count;
+    if (!fits(spz, size, RATIO_MAX, zipped->size, err)) return false;
+    unsigned char *bytes = ffp_alloc(size, 1);
+    bool whole = false;
+    bool ok =
+        unzip(zipped, bytes, size, (size_t)HARMONICS_MAX * spz->count, &whole) == size ||
+        ffp_fail(err, FFP_ERROR_FILE, spz->path, "ends before its %u Gaussians do", (unsigned)spz->count);
+    ok = ok && (whole || ffp_fail(err, FFP_ERROR_FILE, spz->path, "is damaged: its checksum differs"));
+    ok = ok && put_splats(gaussians, spz, bytes + FFP_SPZ_HEADER, err);
     ffp_free(bytes);
-    if (!ok) ffp_gaussians_free(gaussians);
     return ok;
 }
 
+static uint64_t get_u64(const unsigned char *bytes) {
+    return get_u32(bytes) | (uint64_t)get_u32(bytes + 4) << 32;
+}
+
+// Version 4. The table has the compressed and the full size of each stream, which follow it in its order.
+static bool unpack_streams(const Spz *spz, unsigned char *out, const unsigned char *bytes, size_t size,
+                           FfpError *err) {
+    const size_t streams = bytes[15], table = get_u32(bytes + 16);
+    if (spz->count == 0) return true;
+    if (streams < ATTRIBUTES || table < HEADER_STREAMS || table > size || 16 * streams > size - table)
+        return ffp_fail(err, FFP_ERROR_FILE, spz->path, "its table of %zu streams lies outside the file",
+                        streams);
+    size_t at = table + 16 * streams;
+    for (int a = 0; a < ATTRIBUTES; a++) {
+        const size_t full = bytes_of(spz, a) * spz->count;
+        const uint64_t packed = get_u64(bytes + table + 16 * (size_t)a);
+        if (get_u64(bytes + table + 16 * (size_t)a + 8) != full || packed > size - at ||
+            !ffp_unzstd(out, full, bytes + at, (size_t)packed))
+            return ffp_fail(err, FFP_ERROR_FILE, spz->path, "its stream %d does not hold %u Gaussians", a,
+                            (unsigned)spz->count);
+        out += full;
+        at += (size_t)packed;
+    }
+    return true;
+}
+
+static bool read_streams(FfpGaussians *gaussians, Spz *spz, const unsigned char *bytes, size_t size,
+                         FfpError *err) {
+    if (size < HEADER_STREAMS) return ffp_fail(err, FFP_ERROR_FILE, spz->path, "ends inside its header");
+    const size_t full = splat_bytes(spz) * spz->count;
+    if (!fits(spz, full, RATIO_ZSTD, size, err)) return false;
+    unsigned char *attributes = ffp_alloc(full, 1);
+    const bool ok =
+        unpack_streams(spz, attributes, bytes, size, err) && put_splats(gaussians, spz, attributes, err);
+    ffp_free(attributes);
+    return ok;
+}
+
+static bool read_plain(FfpGaussians *gaussians, Spz *spz, const unsigned char *bytes, size_t size,
+                       FfpError *err) {
+    if (size < FFP_SPZ_HEADER) return ffp_fail(err, FFP_ERROR_FILE, spz->path, "ends inside its header");
+    if (!read_header(spz, bytes, VERSION_STREAMS, err)) return false;
+    if (spz->version == VERSION_STREAMS) return read_streams(gaussians, spz, bytes, size, err);
+    if (splat_bytes(spz) * spz->count > size - FFP_SPZ_HEADER)
+        return ffp_fail(err, FFP_ERROR_FILE, spz->path, "ends before its %u Gaussians do",
+                        (unsigned)spz->count);
+    return put_splats(gaussians, spz, bytes + FFP_SPZ_HEADER, err);
+}
+
 bool ffp_gaussians_read_spz(FfpGaussians *gaussians, const char *path, FfpError *err) {
-    unsigned char header[FFP_SPZ_HEADER] = {0};
     char *bytes;
     Zipped zipped;
-    Spz spz = {0};
+    Spz spz = {.path = path};
     *gaussians = (FfpGaussians){0};
     if (!ffp_read_file(path, FFP_SPLAT_FILE_MAX, &bytes, &zipped.size, err)) return false;
     zipped.bytes = bytes;
-    const bool ok = (unzip(&zipped, header, FFP_SPZ_HEADER, 0, NULL) == FFP_SPZ_HEADER ||
-                     ffp_fail(err, FFP_ERROR_FILE, path, "is not an SPZ file")) &&
-                    read_header(&spz, header, path, err) && read_parts(gaussians, &spz, &zipped, path, err);
+    const bool zip = zipped.size > 0 && bytes[0] != 'N';
+    const bool ok = zip ? read_zipped(gaussians, &spz, &zipped, err)
+                        : read_plain(gaussians, &spz, (const unsigned char *)bytes, zipped.size, err);
     ffp_free(bytes);
-    if (ok) ffp_splats_note(path);
     return ok;
 }

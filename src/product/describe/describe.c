@@ -5,7 +5,7 @@
 #include "core/base/file.h"
 #include "core/base/kind.h"
 #include "core/base/text.h"
-#include "core/gaussians/gaussians.h"
+#include "core/gaussians/elsewhere.h"
 #include "engine/network/network.h"
 #include "lab/baselines/field.h"
 
@@ -101,6 +101,7 @@ bool ffp_describe(FILE *out, const char *path, FfpFindings *found, FfpError *err
     case FFP_KIND_PLY:
     case FFP_KIND_SPZ:
     case FFP_KIND_GLTF:
+    case FFP_KIND_SPLAT:
         return print_gaussians(out, path, err);
     case FFP_KIND_WEIGHTS:
         return print_model(out, path, err);
@@ -112,8 +113,5 @@ bool ffp_describe(FILE *out, const char *path, FfpFindings *found, FfpError *err
     default:
         break;
     }
-    FILE *stream = ffp_open_to_read(path, err);
-    if (!stream) return false;
-    fclose(stream);
-    return ffp_fail(err, FFP_ERROR_FILE, path, "is not a capture, a model, Gaussians or a field");
+    return ffp_refuse_splats(path, err);
 }

@@ -150,8 +150,8 @@ static void expect_refused(const char *from, const char *to, int extra_bytes, co
 
 static void test_hostile(void **state) {
     (void)state;
-    expect_refused("ply\n", "plx\n", 0, "not a PLY");
-    expect_refused("binary_little", "binary_big", 0, "little_endian");
+    expect_refused("ply\n", "plx\n", 0, "not a capture, a model, Gaussians (PLY");
+    expect_refused("binary_little", "binary_middle", 0, "binary_little_endian or");
     expect_refused("vertex 5", "vertex 6", 0, "bytes");
     expect_refused("vertex 5", "vertex 4", 0, "bytes");
     expect_refused("vertex 5", "vertex 49999999", 0, "bytes");
@@ -159,13 +159,14 @@ static void test_hostile(void **state) {
     expect_refused("vertex 5", "vertex 99999999999999999999", 0, "count");
     expect_refused("vertex 5", "vertex -5", 0, "count");
     expect_refused("vertex 5", "vertex 5x", 0, "count");
-    expect_refused("element vertex", "element chunk", 0, "chunk");
-    expect_refused("vertex 5\n", "vertex 5\nelement vertex 5\n", 0, "element");
+    expect_refused("element vertex", "element chunk", 0, "no element vertex");
+    expect_refused("vertex 5\n", "vertex 5\nelement vertex 5\n", 0, "element vertex twice");
+    expect_refused("element vertex", "element none 3\nelement vertex", 0, "element none has no property");
     expect_refused("float opacity", "float opacities", 0, "opacity");
-    expect_refused("float opacity", "int opacity", 0, "opacity");
     expect_refused("float opacity", "float x", 0, "duplicate");
     expect_refused("float opacity", "float128 opacity", 0, "type");
     expect_refused("float opacity", "list uchar int opacity", 0, "a single number");
+    expect_refused("float opacity", "list float int opacity", 0, "a whole number");
     expect_refused("float base_color_0", "float basecolor", 0, "base_color_0");
     expect_refused("end_header", "end_headex", 0, "end_headex");
     expect_refused("element vertex 5\n", "", 0, "property");
@@ -181,11 +182,9 @@ static void test_hostile_numbers(void **state) {
         int number;
         float value;
         const char *name;
-    } cases[] = {{0, NAN, "x"},
-                 {6, INFINITY, "opacity"},
-                 {8, 1e6F, "scale_1"},
-                 {5, 1e30F, "f_dc_2"},
-                 {17, -INFINITY, "roughness"}};
+    } cases[] = {{0, NAN, "x"},        {6, NAN, "opacity"},
+                 {8, 1e6F, "scale_1"}, {9, INFINITY, "scale_2"},
+                 {5, 1e30F, "f_dc_2"}, {17, -INFINITY, "roughness"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         FfpError err;
         FfpGaussians a = random_gaussians(3), b;
@@ -203,6 +202,40 @@ static void test_hostile_numbers(void **state) {
     FfpGaussians b;
     assert_false(ffp_gaussians_read(&b, "no such file.ply", &err));
     assert_false(ffp_gaussians_read(&b, "/", &err));
+    unlink(PATH);
+}
+
+static void change(int64_t row, int number, float value, int64_t rows) {
+    FILE *file = fopen(PATH, "r+b");
+    assert_non_null(file);
+    fseek(file, -4 * (long)(18 * (rows - row) - number), SEEK_END);
+    fwrite(&value, 4, 1, file);
+    fclose(file);
+}
+
+// Infinite logits are 0 and 1, a scale of 0 is a disc; up to a tenth of the rows may be unusable, and the
+// others keep their order.
+static void test_bad_rows(void **state) {
+    (void)state;
+    FfpError err;
+    FfpGaussians a = random_gaussians(20), b;
+    assert_true(ffp_gaussians_write(&a, PATH, 0, &err));
+    change(0, 6, INFINITY, 20);
+    change(1, 6, -INFINITY, 20);
+    change(2, 8, -INFINITY, 20);
+    change(3, 0, NAN, 20);
+    for (int k = 10; k < 14; k++) change(19, k, 0, 20);
+    if (!ffp_gaussians_read(&b, PATH, &err)) fail_msg("%s", err.text);
+    assert_int_equal(b.count, 18);
+    assert_true(b.opacity[0] == 1 && b.opacity[1] == 0);
+    const real least = a.scale[6] < a.scale[8] ? a.scale[6] : a.scale[8];
+    assert_near(&b.scale[7], &(real){least / 100}, 1, 1e-5);
+    assert_near(b.centre + 9, a.centre + 12, 45, 0);
+    ffp_gaussians_free(&b);
+    change(4, 3, INFINITY, 20);
+    assert_false(ffp_gaussians_read(&b, PATH, &err));
+    assert_non_null(strstr(err.text, "Gaussian 3: invalid x (3 of 20 cannot be used)"));
+    ffp_gaussians_free(&a);
     unlink(PATH);
 }
 
@@ -281,6 +314,6 @@ int main(void) {
         cmocka_unit_test(test_viewer_colour),   cmocka_unit_test(test_transform),
         cmocka_unit_test(test_hostile),         cmocka_unit_test(test_refuses_to_write_nonsense),
         cmocka_unit_test(test_hostile_numbers), cmocka_unit_test(test_foreign_layout),
-        cmocka_unit_test(test_baked_shadows)};
+        cmocka_unit_test(test_baked_shadows),   cmocka_unit_test(test_bad_rows)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
