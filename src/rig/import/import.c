@@ -10,7 +10,7 @@
 // Refuses what would not fit the machine's memory before any of it is taken: the result, and one source.
 static bool check_memory(const FfpImporting *import, FfpError *err) {
     const FfpCapture *capture = &import->capture;
-    const int patterns = import->shots.n_patterns + (import->shots.codes ? import->settings->codes : 0);
+    const int patterns = import->shots.n_patterns + (import->shots.codes ? import->settings->kept_codes : 0);
     double values = 3.0 * capture->views[0].projector.width * capture->views[0].projector.height * patterns;
     for (int v = 0; v < capture->n_views; v++) {
         const FfpCamera *camera = &capture->views[v].camera;
@@ -54,15 +54,10 @@ static bool name_capture(FfpImporting *import, FfpError *err) {
     return ffp_capture_probe(folder, err);
 }
 
-static bool check_settings(const FfpImportSettings *settings, FfpError *err) {
-    if (!settings->folder) return ffp_fail(err, FFP_ERROR_ARGUMENT, "folder", "none is given");
-    if (settings->codes < 0 || settings->codes > FFP_CODES_MOST)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "codes", "%d is not in 0 to %d", settings->codes,
-                        FFP_CODES_MOST);
-    if (settings->axis != FFP_AXIS_GUESSED) return true;
-    if (!settings->turntable) return ffp_fail(err, FFP_ERROR_ARGUMENT, "turntable", "no initial axis given");
-    FfpTurntable turntable = *settings->turntable;
-    return ffp_turntable_check_axis(&turntable, err);
+static bool check_settings(const FfpImport *settings, FfpError *err) {
+    return (settings->kept_codes >= 0 && settings->kept_codes <= FFP_CODES_MOST) ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "kept_codes", "%d is not in 0 to %d", settings->kept_codes,
+                    FFP_CODES_MOST);
 }
 
 bool ffp_importing_finish(const char *folder, void *context, FfpError *err) {
@@ -70,16 +65,21 @@ bool ffp_importing_finish(const char *folder, void *context, FfpError *err) {
            ffp_importing_write_sheet(folder, context, err) && ffp_importing_write_masks(folder, context, err);
 }
 
+static bool find_axis(FfpImporting *import, FfpError *err) {
+    const FfpImportTurntable *turntable = &import->settings->turntable;
+    return !turntable->find_axis ||
+           ffp_turntable_find(turntable, &import->calibration, &import->capture, err);
+}
+
 static bool make_capture(FfpImporting *import, FfpError *err) {
     return check_settings(import->settings, err) && ffp_importing_check_scene(import, err) &&
            name_capture(import, err) && ffp_importing_read_rig(import, err) &&
-           ffp_shots_find(&import->shots, &import->settings->sources, &import->calibration, err) &&
+           ffp_shots_find(&import->shots, import->settings, &import->calibration, err) &&
            ffp_importing_check_tags(import, err) && ffp_importing_settle_views(import, err) &&
            check_memory(import, err) && ffp_importing_load_pixels(import, err) &&
            ffp_importing_load_stage(import, err) && ffp_importing_complete_masks(import, err) &&
-           ffp_importing_load_codes(import, err) && ffp_importing_find_axis(import, err) &&
-           settle_object(import, err) && ffp_importing_keep_codes(import, err) &&
-           ffp_importing_find_response(import, err);
+           ffp_importing_load_codes(import, err) && find_axis(import, err) && settle_object(import, err) &&
+           ffp_importing_keep_codes(import, err) && ffp_importing_find_response(import, err);
 }
 
 static bool run(FfpImporting *import, FfpError *err) {
@@ -90,7 +90,7 @@ static bool run(FfpImporting *import, FfpError *err) {
                                    err);
 }
 
-bool ffp_import(const FfpImportSettings *settings, FfpError *err) {
+bool ffp_import(const FfpImport *settings, FfpError *err) {
     FfpImporting *import = ffp_alloc(1, sizeof *import);
     import->settings = settings;
     const bool ok = run(import, err);

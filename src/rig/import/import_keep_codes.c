@@ -55,7 +55,7 @@ static bool add_code(FfpImporting *import, int index) {
     return true;
 }
 
-// Numbers of the chosen codes, [settings->codes]: of columns and rows in turn, from the finest that the
+// Numbers of the chosen codes, [settings->kept_codes]: of columns and rows in turn, from the finest that the
 // capture's pixels resolve to coarser ones; every other one of an axis as its inverse, so that no part of the
 // panel is dark in all of them. Returns how many there are.
 static int choose(FfpImporting *import, int *chosen) {
@@ -67,7 +67,7 @@ static int choose(FfpImporting *import, int *chosen) {
         while (bit[axis] > 0 && ldexp(1, bits[axis] - bit[axis]) < WIDTH_LEAST * import->code_step)
             bit[axis]--;
     }
-    for (int axis = 0; n < import->settings->codes && (bit[0] >= 0 || bit[1] >= 0); axis = 1 - axis) {
+    for (int axis = 0; n < import->settings->kept_codes && (bit[0] >= 0 || bit[1] >= 0); axis = 1 - axis) {
         while (bit[axis] >= 0) {
             const int pair = (axis ? bits[0] : 0) + bit[axis]--, wanted = 2 * pair + taken[axis] % 2,
                       index = import->shots.codes[wanted] ? wanted : wanted ^ 1;
@@ -97,9 +97,9 @@ static bool load_view(FfpImporting *import, int stop, const int *chosen, int n, 
 
 bool ffp_importing_keep_codes(FfpImporting *import, FfpError *err) {
     FfpCapture *capture = &import->capture;
-    const bool cut = import->settings->projector.fit == FFP_PICTURES_CROPPED; // codes are of the whole panel
-    if (!import->shots.codes || cut || import->settings->codes == 0) return true;
-    int *chosen = ffp_alloc((size_t)import->settings->codes, sizeof *chosen);
+    const bool cut = import->settings->projector.fit == FFP_FIT_CROPPED; // codes are of the whole panel
+    if (!import->shots.codes || cut || import->settings->kept_codes == 0) return true;
+    int *chosen = ffp_alloc((size_t)import->settings->kept_codes, sizeof *chosen);
     const int n = choose(import, chosen);
     bool ok = true;
     for (int v = 0; v < capture->n_views && ok; v++)

@@ -79,8 +79,7 @@ static bool tell_late(const FfpImporting *import, int stop, FfpError *err) {
 bool ffp_importing_cover(FfpImporting *import, int stop, const FfpImage *alphas, FfpError *err) {
     const FfpShots *shots = &import->shots;
     FfpView *view = &import->capture.views[stop];
-    const bool by_alpha = !shots->masks && !shots->empty &&
-                          import->settings->sources.mask == FFP_MASKS_ALPHA &&
+    const bool by_alpha = !shots->masks && !shots->empty && import->settings->masks == FFP_MASKS_FROM_ALPHA &&
                           alphas[shots->white].data != NULL;
     if (shots->empty) {
         view->coverage = ffp_image_new(view->camera.width, view->camera.height, 1);
@@ -119,7 +118,7 @@ static void note_stage(const FfpImporting *import, const FfpStageMasks *report, 
 static bool mask_by_stage(FfpImporting *import, const FfpEmptyStage *shared, FfpStageMasks *report,
                           FfpError *err) {
     FfpCapture *capture = &import->capture;
-    const bool posed = import->settings->axis == FFP_AXIS_KNOWN;
+    const bool posed = !import->settings->turntable.find_axis;
     const FfpEmptyStage **stages = ffp_alloc((size_t)capture->n_views, sizeof *stages);
     const char **paths = ffp_alloc((size_t)capture->n_views, sizeof *paths);
     for (int v = 0; v < capture->n_views; v++) {
@@ -140,14 +139,13 @@ static void soften_edges(FfpImporting *import, const FfpEmptyStage *shared, cons
 // --- A lit background that nobody photographed alone. ---
 
 static bool has_one_camera(const FfpImporting *import) {
-    const FfpImportSettings *settings = import->settings;
+    const FfpImport *settings = import->settings;
     const FfpStop *stops = import->calibration.stops;
-    const bool turns = settings->turntable_file || settings->turntable;
     for (int v = 1; v < import->capture.n_views; v++)
         if (memcmp(&stops[v].camera, &stops[0].camera, sizeof stops[0].camera) != 0) return false;
     for (int v = 0; v < import->capture.n_views; v++)
         if (!import->made[v]) return false; // masked by its alpha channel already
-    return turns && settings->axis == FFP_AXIS_KNOWN;
+    return ffp_turntable_is_given(&settings->turntable) && !settings->turntable.find_axis;
 }
 
 static void free_coverages(FfpCapture *capture) {
@@ -227,7 +225,7 @@ typedef struct Grown {
 static Grown add_shadows(FfpImporting *import) {
     FfpCapture *capture = &import->capture;
     int64_t covered = 0, added;
-    Grown out = {.asked = import->settings->axis == FFP_AXIS_KNOWN && capture->n_views >= VIEWS_GROWN};
+    Grown out = {.asked = !import->settings->turntable.find_axis && capture->n_views >= VIEWS_GROWN};
     if (!out.asked) return out;
     for (int v = 0; v < capture->n_views; v++) {
         const FfpImage *mask = &capture->views[v].coverage;
@@ -279,7 +277,7 @@ static void warn_of_other_light(const FfpImporting *import) {
 // How well the masks go together.
 static void note_agreement(FfpImporting *import) {
     FfpCapture *capture = &import->capture;
-    if (import->settings->axis != FFP_AXIS_KNOWN || capture->n_views < 2) return;
+    if (import->settings->turntable.find_axis || capture->n_views < 2) return;
     ffp_capture_estimate_bounds(capture);
     const double share = 1 - ffp_rig_silhouette_misfit(capture);
     if (!import->stages || share >= AGREE_LEAST)

@@ -50,7 +50,7 @@ static bool load_view(FfpImporting *import, int stop, FfpError *err) {
     const int n = import->shots.n_patterns;
     FfpView *view = &import->capture.views[stop];
     FfpImage *alphas = ffp_alloc((size_t)n, sizeof *alphas);
-    view->images = ffp_alloc((size_t)n + (size_t)import->settings->codes, sizeof *view->images);
+    view->images = ffp_alloc((size_t)n + (size_t)import->settings->kept_codes, sizeof *view->images);
     bool ok = ffp_importing_read_pictures(import, import->shots.pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX,
                                           n, stop, view->images, alphas, err);
     if (ok) import->thumbs[stop] = ffp_contact_thumb(&view->images[import->shots.white]);
@@ -110,8 +110,8 @@ bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err) {
     import->holes = ffp_alloc((size_t)capture->n_views, sizeof *import->holes);
     import->thumbs = ffp_alloc((size_t)capture->n_views, sizeof *import->thumbs);
     capture->n_patterns = import->shots.n_patterns;
-    capture->patterns =
-        ffp_alloc((size_t)capture->n_patterns + (size_t)import->settings->codes, sizeof *capture->patterns);
+    capture->patterns = ffp_alloc((size_t)capture->n_patterns + (size_t)import->settings->kept_codes,
+                                  sizeof *capture->patterns);
     capture->black = import->shots.black, capture->white = import->shots.white;
     for (int p = 0; p < capture->n_patterns; p++) {
         if (!load_pattern(import, p, err)) return false;

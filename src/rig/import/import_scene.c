@@ -3,12 +3,12 @@
 #include "rig/masks/mask.h"
 
 bool ffp_importing_check_scene(const FfpImporting *import, FfpError *err) {
-    const FfpImportSettings *settings = import->settings;
+    const FfpImport *settings = import->settings;
     if (!settings->scene) return true;
-    if (settings->sources.mask != FFP_MASKS_ALPHA || settings->sources.n_empty > 0)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, settings->sources.n_empty > 0 ? "empty" : "masks",
+    if (settings->masks != FFP_MASKS_FROM_ALPHA || settings->n_empty > 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, settings->n_empty > 0 ? "empty" : "masks",
                         "a whole scene has no masks");
-    return settings->axis == FFP_AXIS_KNOWN ||
+    return !settings->turntable.find_axis ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "turntable", "nothing turns in a whole scene");
 }
 

@@ -10,16 +10,16 @@
 
 static bool settle_projector(FfpImporting *import, FfpCamera *pinhole, FfpError *err) {
     FfpOptics *optics = &import->calibration.projector;
-    const FfpPictureSize *at = &import->settings->projector;
+    const FfpCalibratedAt *at = &import->settings->projector;
     int width = 0, height = 0;
     const char *path = NULL;
     for (int i = 0; i < import->shots.n_patterns && !path; i++) path = import->shots.patterns[i].file;
-    const bool coded = !path && (import->settings->sources.codes || import->shots.codes);
+    const bool coded = !path && (import->settings->gray_codes || import->shots.codes);
     if (!path && !coded)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "patterns",
                         "no pattern besides black and white: matching is impossible");
     if (coded) { // as many pixels as it was calibrated at
-        path = import->shots.codes ? import->shots.shown.folder : import->settings->sources.codes;
+        path = import->shots.codes ? import->shots.shown.folder : import->settings->gray_codes;
         width = at->width > 0 ? at->width : optics->width,
         height = at->width > 0 ? at->height : optics->height;
         if (width == 0)
@@ -44,13 +44,13 @@ static bool settle_projector(FfpImporting *import, FfpCamera *pinhole, FfpError 
     if (import->settings->scene) ffp_optics_frame_all(optics, RIM, pinhole);
     if (panel.width == 0) panel.width = optics->width, panel.height = optics->height;
     ffp_panel_describe(&import->capture.panel, &panel);
-    import->coded = at->fit == FFP_PICTURES_CROPPED ? panel : *optics; // codes are never cut out
+    import->coded = at->fit == FFP_FIT_CROPPED ? panel : *optics; // codes are never cut out
     return true;
 }
 
 static bool settle_camera(FfpImporting *import, int stop, FfpError *err) {
     FfpOptics *optics = &import->calibration.stops[stop].camera;
-    const FfpPictureSize *at = &import->settings->camera;
+    const FfpCalibratedAt *at = &import->settings->camera;
     const char *path = import->shots.pictures[stop * FFP_PATTERNS_MAX + import->shots.white];
     int width = 0, height = 0;
     if (!ffp_photograph_read_size(&width, &height, path, err)) return false;
@@ -80,16 +80,6 @@ bool ffp_importing_check_size(const char *path, const FfpOptics *optics, FfpErro
            ffp_importing_has_size(path, width, height, optics, err);
 }
 
-void ffp_importing_take_poses(FfpImporting *import) {
-    for (int v = 0; v < import->capture.n_views; v++) {
-        const FfpStop *stop = &import->calibration.stops[v];
-        for (int i = 0; i < 16; i++) {
-            import->capture.views[v].camera.pose[i] = (real)stop->c2w[i];
-            import->capture.views[v].projector.pose[i] = (real)stop->p2w[i];
-        }
-    }
-}
-
 // The pattern, where Gray codes are all there is, runs across the line from projector to camera.
 static bool find_codes(FfpImporting *import, FfpError *err) {
     const FfpOptics *panel = &import->coded;
@@ -98,8 +88,8 @@ static bool find_codes(FfpImporting *import, FfpError *err) {
     for (int axis = 0; axis < 2; axis++)
         for (int k = 0; k < 3; k++)
             along[axis] += stop->p2w[4 * k + axis] * (stop->c2w[4 * k + 3] - stop->p2w[4 * k + 3]);
-    return ffp_shots_find_codes(&import->shots, &import->settings->sources, &import->calibration,
-                                panel->width, panel->height, fabs(along[1]) > fabs(along[0]), err);
+    return ffp_shots_find_codes(&import->shots, import->settings, &import->calibration, panel->width,
+                                panel->height, fabs(along[1]) > fabs(along[0]), err);
 }
 
 bool ffp_importing_settle_views(FfpImporting *import, FfpError *err) {
@@ -115,6 +105,6 @@ bool ffp_importing_settle_views(FfpImporting *import, FfpError *err) {
         memcpy(view->id, stop->id, sizeof view->id);
         view->projector = projector;
     }
-    ffp_importing_take_poses(import);
+    ffp_calibration_pose_views(&import->calibration, capture);
     return true;
 }

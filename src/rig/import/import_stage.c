@@ -26,8 +26,7 @@ static bool is_shared(const FfpImporting *import, int a, int b) {
 
 // On a turntable all views have one camera; elsewhere the stage looks different from each place.
 static bool check_camera(const FfpImporting *import, FfpError *err) {
-    const FfpImportSettings *settings = import->settings;
-    const bool turns = settings->turntable_file || settings->turntable || settings->axis != FFP_AXIS_KNOWN;
+    const bool turns = ffp_turntable_is_given(&import->settings->turntable);
     const int n = import->capture.n_views;
     if (turns || n < 2 ||
         strcmp(files_of(import, 0)[import->shots.white], files_of(import, 1)[import->shots.white]) != 0)

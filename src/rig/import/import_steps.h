@@ -6,16 +6,19 @@
 #include "core/image/photograph.h"
 #include "rig/import/import.h"
 #include "rig/masks/stage.h"
+#include "rig/optics/lens.h"
 #include "rig/response/response.h"
+#include "rig/shots/shots.h"
+#include "rig/turntable/turntable.h"
 
 #define FFP_IMPORT_READERS 4 // threads: each has a photograph in memory
 
 // capture: name_capture sets its name, and the other steps set the fields described with them.
 typedef struct FfpImporting {
-    const FfpImportSettings *settings; // before all steps
-    FfpCalibration calibration;        // read_rig; settle_views completes the optics' sizes
-    FfpOptics coded;                   // settle_views: the projector that shows the Gray codes
-    FfpShots shots;                    // ffp_shots_find: files; settle_views those of Gray codes
+    const FfpImport *settings;  // before all steps
+    FfpCalibration calibration; // read_rig; settle_views completes the optics' sizes
+    FfpOptics coded;            // settle_views: the projector that shows the Gray codes
+    FfpShots shots;             // ffp_shots_find: files; settle_views those of Gray codes
     FfpCapture capture;
     double
         code_step;   // load_codes: panel pixels between neighbouring pixels of the capture, most of all views
@@ -45,8 +48,8 @@ bool ffp_importing_settle_views(FfpImporting *import, FfpError *err);
 bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err);
 // 6. The views' correspondence, where there are Gray codes. Needs coverage.
 bool ffp_importing_load_codes(FfpImporting *import, FfpError *err);
-// 7. The calibration's and the views' poses, where the axis is to be found. Needs images and coverage.
-bool ffp_importing_find_axis(FfpImporting *import, FfpError *err);
+// 7. (ffp_turntable_find: the calibration's and the views' poses, where the axis is to be found. Needs images
+// and coverage.)
 // 8. (settle_object: centre and radius. Needs poses, coverage and correspondence.)
 // 9. Of the capture: Gray codes as further patterns, where photographs of them were decoded, and the views'
 // images under them.
@@ -63,8 +66,6 @@ bool ffp_importing_keep_response(const char *folder, const FfpImporting *import,
 
 // Parts of steps. The light of the panel's Gray code with this number, [h,w,3] (5, 9).
 FfpImage ffp_importing_code_pattern(const FfpOptics *panel, int index);
-// The poses of the calibration's stops to the views (3, 7).
-void ffp_importing_take_poses(FfpImporting *import);
 // Whether a picture has the size of the optics, as it must; check_size: of the picture in a file (5).
 bool ffp_importing_has_size(const char *path, int width, int height, const FfpOptics *optics, FfpError *err);
 bool ffp_importing_check_size(const char *path, const FfpOptics *optics, FfpError *err);

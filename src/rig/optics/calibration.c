@@ -5,6 +5,16 @@
 #include "core/base/log.h"
 #include "rig/optics/document.h"
 
+void ffp_calibration_pose_views(const FfpCalibration *calibration, FfpCapture *capture) {
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpStop *stop = &calibration->stops[v];
+        for (int i = 0; i < 16; i++) {
+            capture->views[v].camera.pose[i] = (real)stop->c2w[i];
+            capture->views[v].projector.pose[i] = (real)stop->p2w[i];
+        }
+    }
+}
+
 void ffp_calibration_free(FfpCalibration *calibration) {
     if (!calibration) return;
     ffp_free(calibration->stops);

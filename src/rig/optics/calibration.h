@@ -41,6 +41,8 @@ typedef struct FfpCalibration {
 bool ffp_calibration_read(FfpCalibration *calibration, const char *const *files, int n_files,
                           const char *projector_image, FfpError *err);
 void ffp_calibration_free(FfpCalibration *calibration);
+// Gives the views of a capture, one for each stop, the poses of the stops.
+void ffp_calibration_pose_views(const FfpCalibration *calibration, FfpCapture *capture);
 
 // --- The formats; each adds to the calibration. ---
 

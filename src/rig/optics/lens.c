@@ -22,7 +22,7 @@ static bool settle_scaled(FfpOptics *optics, int width, int height, const char *
     return true;
 }
 
-static bool settle_cropped(FfpOptics *optics, const FfpPictureSize *at, int width, int height,
+static bool settle_cropped(FfpOptics *optics, const FfpCalibratedAt *at, int width, int height,
                            const char *what, const char *path, FfpError *err) {
     if (at->left < 0 || at->top < 0 || at->left > optics->width - width ||
         at->top > optics->height - height) {
@@ -35,7 +35,7 @@ static bool settle_cropped(FfpOptics *optics, const FfpPictureSize *at, int widt
     return true;
 }
 
-bool ffp_optics_settle(FfpOptics *optics, const FfpPictureSize *at, int width, int height, const char *what,
+bool ffp_optics_settle(FfpOptics *optics, const FfpCalibratedAt *at, int width, int height, const char *what,
                        const char *path, FfpError *err) {
     char setting[32];
     snprintf(setting, sizeof setting, "%s.width", what);
@@ -47,9 +47,9 @@ bool ffp_optics_settle(FfpOptics *optics, const FfpPictureSize *at, int width, i
                         "give that size",
                         what);
     }
-    if (at->fit == FFP_PICTURES_SCALED) {
+    if (at->fit == FFP_FIT_SCALED) {
         if (!settle_scaled(optics, width, height, what, path, err)) return false;
-    } else if (at->fit == FFP_PICTURES_CROPPED) {
+    } else if (at->fit == FFP_FIT_CROPPED) {
         if (!settle_cropped(optics, at, width, height, what, path, err)) return false;
     } else if (width != optics->width || height != optics->height) {
         return ffp_fail(err, FFP_ERROR_FILE, path,

@@ -3,19 +3,12 @@
 #define FFP_RIG_LENS_H
 
 #include "core/base/lens.h"
+#include "ffprocams.h" // FfpCalibratedAt
 #include "rig/optics/calibration.h"
-
-// How a device's pictures came from the size that it was calibrated at.
-typedef enum FfpPictureFit { FFP_PICTURES_SAME, FFP_PICTURES_SCALED, FFP_PICTURES_CROPPED } FfpPictureFit;
-typedef struct FfpPictureSize {
-    int width, height; // pixels at calibration, where its files do not say them; 0: they do
-    FfpPictureFit fit;
-    int left, top; // cropped: pixels cut off
-} FfpPictureSize;
 
 // The device's pixels at the size its pictures have. `what` ("camera", "projector") is for errors; `path` is
 // a picture of that size.
-bool ffp_optics_settle(FfpOptics *optics, const FfpPictureSize *at, int width, int height, const char *what,
+bool ffp_optics_settle(FfpOptics *optics, const FfpCalibratedAt *at, int width, int height, const char *what,
                        const char *path, FfpError *err);
 // The pinhole camera that shows the same field at `width` pixels (0: as many as before). Pose not touched.
 void ffp_optics_pinhole(const FfpOptics *optics, int width, FfpCamera *pinhole);

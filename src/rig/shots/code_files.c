@@ -44,9 +44,9 @@ static bool take_shown(FfpShots *shots, const char *template, int stops, int wid
     return true;
 }
 
-bool ffp_shots_find_codes(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+bool ffp_shots_find_codes(FfpShots *shots, const FfpImport *sources, const FfpCalibration *calibration,
                           int width, int height, int axis, FfpError *err) {
-    const char *template = sources->codes;
+    const char *template = sources->gray_codes;
     const int stops = calibration->n_stops;
     if (shots->codes) return take_shown(shots, template, stops, width, height, axis, err);
     if (!template) return true;

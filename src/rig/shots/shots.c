@@ -43,7 +43,7 @@ static int pattern_index(FfpShots *shots, const char *name, FfpError *err) {
     return shots->n_patterns++;
 }
 
-static bool read_group(FfpShots *shots, const FfpShotFiles *source, Group *group, FfpError *err) {
+static bool read_group(FfpShots *shots, const FfpImportImages *source, Group *group, FfpError *err) {
     if (!source->files || source->files[0] == 0)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no file given");
     if (source->n_patterns < 1 || source->n_patterns > FFP_PATTERNS_MAX)
@@ -135,7 +135,7 @@ static bool take_all_shown(FfpShots *shots, const char *template, const FfpCalib
 
 // --- Patterns and masks. ---
 
-static bool take_projected(FfpShots *shots, const FfpProjected *projected, bool novel, FfpError *err) {
+static bool take_projected(FfpShots *shots, const FfpImportPattern *projected, bool novel, FfpError *err) {
     const char *where = novel ? HELD_OUT : PATTERNS;
     for (int i = 0; i < shots->n_patterns; i++) {
         FfpShotPattern *pattern = &shots->patterns[i];
@@ -211,7 +211,7 @@ static bool tells_view(const char *template) {
 }
 
 // Paths [n_stops, n]: of each view, or the same for all of them.
-static bool find_empty_files(const char **paths, FfpShots *shots, const FfpShotFiles *source,
+static bool find_empty_files(const char **paths, FfpShots *shots, const FfpImportImages *source,
                              const FfpCalibration *calibration, FfpError *err) {
     const bool of_all = !tells_view(source->files);
     const int n = source->n_patterns, stops = calibration->n_stops;
@@ -231,7 +231,7 @@ static bool find_empty_files(const char **paths, FfpShots *shots, const FfpShotF
 }
 
 // Files of one pattern of the empty stage, or of several.
-static bool find_empty(FfpShots *shots, const FfpShotFiles *source, const FfpCalibration *calibration,
+static bool find_empty(FfpShots *shots, const FfpImportImages *source, const FfpCalibration *calibration,
                        FfpError *err) {
     const int n = source->n_patterns, stops = calibration->n_stops;
     if (!source->files || source->files[0] == 0 || n < 1)
@@ -251,10 +251,10 @@ static bool find_empty(FfpShots *shots, const FfpShotFiles *source, const FfpCal
     return true;
 }
 
-static bool find_stage(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+static bool find_stage(FfpShots *shots, const FfpImport *sources, const FfpCalibration *calibration,
                        FfpError *err) {
     if (sources->n_empty == 0) return true;
-    if (sources->mask == FFP_MASKS_FILES)
+    if (sources->masks == FFP_MASKS_FROM_FILES)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, EMPTY,
                         "files of masks are given, too: either these or the empty stage tells the object");
     shots->empty =
@@ -303,12 +303,12 @@ static bool check_complete(const FfpShots *shots, const FfpCalibration *calibrat
     return true;
 }
 
-static bool find_all(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+static bool find_all(FfpShots *shots, const FfpImport *sources, const FfpCalibration *calibration,
                      FfpError *err) {
     Group *group = ffp_arena_alloc(shots->arena, 1, sizeof *group);
     if (sources->n_images == 0 && !take_named(shots, calibration, err)) return false;
     for (int i = 0; i < sources->n_images; i++) {
-        const FfpShotFiles *images = &sources->images[i];
+        const FfpImportImages *images = &sources->images[i];
         const bool ok = images->n_patterns == 0 ? take_all_shown(shots, images->files, calibration, err)
                                                 : read_group(shots, images, group, err) &&
                                                       find_group(shots, group, calibration, err);
@@ -322,12 +322,13 @@ static bool find_all(FfpShots *shots, const FfpShotSources *sources, const FfpCa
     }
     take_shown_patterns(shots);
     take_kept_patterns(shots, calibration->pattern_folder);
-    return (sources->mask != FFP_MASKS_FILES || find_masks(shots, sources->mask_files, calibration, err)) &&
+    return (sources->masks != FFP_MASKS_FROM_FILES ||
+            find_masks(shots, sources->mask_files, calibration, err)) &&
            check_complete(shots, calibration, err) && check_single(shots, calibration, err) &&
            find_stage(shots, sources, calibration, err);
 }
 
-bool ffp_shots_find(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+bool ffp_shots_find(FfpShots *shots, const FfpImport *sources, const FfpCalibration *calibration,
                     FfpError *err) {
     *shots = (FfpShots){.arena = ffp_arena_new(), .black = -1, .white = -1};
     shots->patterns = ffp_arena_alloc(shots->arena, FFP_PATTERNS_MAX, sizeof *shots->patterns);

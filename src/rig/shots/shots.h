@@ -4,6 +4,7 @@
 
 #include "core/base/arena.h"
 #include "core/patterns/shown.h"
+#include "ffprocams.h" // options, types alone
 #include "rig/optics/calibration.h"
 
 typedef struct FfpShotPattern {
@@ -25,44 +26,13 @@ typedef struct FfpShots {
     FfpShown shown; // empty where the sources name none
 } FfpShots;
 
-// Photographs under one pattern or several. `files` is a template (file_names.h).
-typedef struct FfpShotFiles {
-    const char *const *patterns; // names
-    int n_patterns;              // 0: those that were shown
-    const char *files;
-} FfpShotFiles;
-
-typedef struct FfpProjected { // what the projector showed
-    const char *name, *file;
-} FfpProjected;
-
-typedef enum FfpMaskKind {
-    FFP_MASKS_ALPHA, // alpha channels where there are, else Otsu's method
-    FFP_MASKS_OTSU,
-    FFP_MASKS_FILES
-} FfpMaskKind;
-
-typedef struct FfpShotSources {
-    const FfpShotFiles *images; // none: the pictures that the calibration names
-    int n_images;
-    const FfpProjected *patterns, *held_out;
-    int n_patterns, n_held_out;
-    FfpMaskKind mask;
-    const char *mask_files; // as FfpShotFiles.files
-    const char *codes;      // likewise, photographs of Gray codes; NULL: none
-    const char *shown;      // folder of patterns (core/patterns/shown.h); NULL: none
-    // The stage without the object; files without placeholders are of all views.
-    const FfpShotFiles *empty;
-    int n_empty;
-} FfpShotSources;
-
 // Finds all files for the calibration's stops. Afterwards each picture is known to exist, and so are black
 // and white and the file of every other pattern.
-bool ffp_shots_find(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+bool ffp_shots_find(FfpShots *shots, const FfpImport *sources, const FfpCalibration *calibration,
                     FfpError *err);
 // The photographs of the Gray codes of a panel of this size, where the sources name them. Where they name no
 // pattern besides black and white, one of the codes becomes the pattern: of columns or of rows (axis 0, 1).
-bool ffp_shots_find_codes(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+bool ffp_shots_find_codes(FfpShots *shots, const FfpImport *sources, const FfpCalibration *calibration,
                           int width, int height, int axis, FfpError *err);
 void ffp_shots_free(FfpShots *shots);
 

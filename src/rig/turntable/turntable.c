@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "core/base/file.h"
+#include "core/base/alloc.h"
 #include "core/base/rigid.h"
 #include "rig/optics/document.h"
 #include "rig/optics/matrix.h"
@@ -100,44 +100,48 @@ static bool read_file(FfpTurntable *turntable, const char *path, bool with_axis,
     return ok;
 }
 
-bool ffp_turntable_read(FfpTurntable *turntable, const char *path, FfpError *err) {
-    *turntable = (FfpTurntable){0};
-    return read_file(turntable, path, true, err) && check_axis(turntable, path, err);
+// --- What the caller says. ---
+
+bool ffp_turntable_is_given(const FfpImportTurntable *given) {
+    return given->file || given->n_angles != 0 || given->find_axis;
 }
 
-bool ffp_turntable_read_angles(FfpTurntable *turntable, const char *path, FfpError *err) {
-    *turntable = ffp_turntable_unknown();
-    return read_file(turntable, path, false, err);
+static bool take_angles(FfpTurntable *turntable, const FfpImportTurntable *given, FfpError *err) {
+    if (given->n_angles < 0 || given->n_angles > FFP_VIEWS_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "turntable.angles", "%d angles: expected at most %d",
+                        given->n_angles, FFP_VIEWS_MAX);
+    if (given->n_angles > 0) turntable->count = given->n_angles;
+    for (int i = 0; i < given->n_angles; i++) turntable->angles[i] = given->angles[i];
+    if (turntable->count < 1 && given->file)
+        return ffp_fail(
+            err, FFP_ERROR_FILE, given->file,
+            "the file has no angles (those by which the object had turned at its stops), and none "
+            "are given");
+    if (turntable->count < 1)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, PLACE, "no rotation angles of the object given");
+    for (int i = 0; i < turntable->count; i++)
+        if (!check_angle(turntable->angles[i], PLACE, err)) return false;
+    return true;
 }
 
-bool ffp_turntable_set_angles(FfpTurntable *turntable, const FfpTurntable *given, const char *path,
-                              FfpError *err) {
-    if (given && given->count > 0) {
-        turntable->count = given->count;
-        memcpy(turntable->angles, given->angles, sizeof turntable->angles);
-    }
-    return turntable->count > 0 || ffp_fail(err, FFP_ERROR_FILE, path,
-                                            "the file has no angles (those by which the object had turned at "
-                                            "its stops), and none are given");
-}
-
-// --- Numbers. ---
-
-FfpTurntable ffp_turntable_unknown(void) {
-    return (FfpTurntable){.axis = {0, -1, 0}, .point = {0, 0, 1}};
-}
-
-bool ffp_turntable_check_axis(FfpTurntable *turntable, FfpError *err) {
+// Its axis from numbers, at unit length.
+static bool take_axis(FfpTurntable *turntable, const FfpImportTurntable *given, FfpError *err) {
+    memcpy(turntable->axis, given->axis, sizeof turntable->axis);
+    memcpy(turntable->point, given->point, sizeof turntable->point);
     return check_axis(turntable, PLACE, err);
 }
 
-bool ffp_turntable_check_angles(const FfpTurntable *turntable, FfpError *err) {
-    if (turntable->count < 1)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, PLACE, "no rotation angles of the object given");
-    if (turntable->count > FFP_VIEWS_MAX)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, PLACE, "more than %d angles", FFP_VIEWS_MAX);
-    for (int i = 0; i < turntable->count; i++)
-        if (!check_angle(turntable->angles[i], PLACE, err)) return false;
+bool ffp_turntable_take(FfpTurntable *turntable, const FfpImportTurntable *given, FfpError *err) {
+    const bool known = !given->find_axis;
+    *turntable = (FfpTurntable){0};
+    if (given->find_axis && given->guessed && !take_axis(turntable, given, err)) return false;
+    if (given->file && (!read_file(turntable, given->file, known, err) ||
+                        (known && !check_axis(turntable, given->file, err))))
+        return false;
+    if (!take_angles(turntable, given, err)) return false;
+    if (known) return given->file || take_axis(turntable, given, err);
+    memcpy(turntable->axis, (double[]){0, -1, 0}, sizeof turntable->axis);
+    memcpy(turntable->point, (double[]){0, 0, 1}, sizeof turntable->point);
     return true;
 }
 
@@ -226,7 +230,8 @@ bool ffp_turntable_apply(const FfpTurntable *turntable, FfpCalibration *calibrat
     return true;
 }
 
-bool ffp_single_stop(FfpCalibration *calibration, FfpError *err) {
+// One stop, "000", whose world is the camera's frame.
+static bool single_stop(FfpCalibration *calibration, FfpError *err) {
     const FfpNode place_field = {.file = PLACE};
     if (!check_fixed(calibration, err) || !ffp_calibration_new_stops(calibration, &place_field, 1, err))
         return false;
@@ -236,4 +241,13 @@ bool ffp_single_stop(FfpCalibration *calibration, FfpError *err) {
     for (int i = 0; i < 16; i++) stop->c2w[i] = i % 5 == 0;
     memcpy(stop->p2w, calibration->p2c, sizeof stop->p2w);
     return true;
+}
+
+bool ffp_turntable_settle(const FfpImportTurntable *given, FfpCalibration *calibration, FfpError *err) {
+    if (!ffp_turntable_is_given(given)) return calibration->n_stops > 0 || single_stop(calibration, err);
+    FfpTurntable *turntable = ffp_alloc(1, sizeof *turntable);
+    const bool ok =
+        ffp_turntable_take(turntable, given, err) && ffp_turntable_apply(turntable, calibration, err);
+    ffp_free(turntable);
+    return ok;
 }

@@ -2,6 +2,7 @@
 #ifndef FFP_RIG_TURNTABLE_H
 #define FFP_RIG_TURNTABLE_H
 
+#include "ffprocams.h" // options, types alone
 #include "rig/optics/calibration.h"
 
 typedef struct FfpTurntable {
@@ -13,20 +14,13 @@ typedef struct FfpTurntable {
     double angles[FFP_VIEWS_MAX]; // degrees by which the object has turned at each stop
 } FfpTurntable;
 
-// From a JSON or YAML file {"axis", "point", "angles"} or {"axis", "point", "count", "step"}, and "zero" and
-// "clockwise" where it has them. A file of `calibrate` has an axis and no angles: count stays 0.
-bool ffp_turntable_read(FfpTurntable *turntable, const char *path, FfpError *err);
-// The same without an axis: those of the file are passed over, and it is unknown until it is found.
-bool ffp_turntable_read_angles(FfpTurntable *turntable, const char *path, FfpError *err);
-// The angles that are given, if any, instead of the file's; one or the other must be.
-bool ffp_turntable_set_angles(FfpTurntable *turntable, const FfpTurntable *given, const char *path,
-                              FfpError *err);
-// No angles, and an axis that points up, before the camera.
-FfpTurntable ffp_turntable_unknown(void);
-// Brings the axis' direction to length 1. Errors: it has none, or the point is out of range.
-bool ffp_turntable_check_axis(FfpTurntable *turntable, FfpError *err);
-// Errors: no angle, too many, one out of range.
-bool ffp_turntable_check_angles(const FfpTurntable *turntable, FfpError *err);
+// Whether there is a turntable in what a caller says.
+bool ffp_turntable_is_given(const FfpImportTurntable *given);
+// What a caller says of one, with the JSON or YAML file that is named, {"axis", "point", "angles"} or
+// {"axis", "point", "count", "step"}, and "zero" and "clockwise" where it has them; the axis at length 1. One
+// that is to be found points up and stands before the camera until then. Errors: no direction, no angles, too
+// many, numbers out of range.
+bool ffp_turntable_take(FfpTurntable *turntable, const FfpImportTurntable *given, FfpError *err);
 
 // Gives the fixed rig a stop for each angle. An object turned by angle a about axis u through p has the point
 // X of its own frame at R(u,a) B X + p before the camera, B = [x y u] being a right-handed basis (x along
@@ -36,7 +30,14 @@ bool ffp_turntable_apply(const FfpTurntable *turntable, FfpCalibration *calibrat
 // The poses of stops that exist already, by their angles; only axis and point are used. `reversed`: the
 // object turned left-handed about the axis.
 void ffp_turntable_place(const FfpTurntable *turntable, bool reversed, FfpCalibration *calibration);
-// One stop, "000", whose world is the camera's frame.
-bool ffp_single_stop(FfpCalibration *calibration, FfpError *err);
+// Both for a calibration: stops of the turntable, if one is given. Without one, a calibration without stops
+// gets one, "000", whose world is the camera's frame.
+bool ffp_turntable_settle(const FfpImportTurntable *given, FfpCalibration *calibration, FfpError *err);
+
+// Finds the axis of a turntable from a capture's pictures (fit_axis.h; `given`: with a guess or without), and
+// gives the stops and the views, which are masked, their poses. Says how good it is. Errors: as
+// ffp_fit_axis; an axis about which the views contradict each other or the pattern.
+bool ffp_turntable_find(const FfpImportTurntable *given, FfpCalibration *calibration, FfpCapture *capture,
+                        FfpError *err);
 
 #endif

@@ -547,6 +547,7 @@ static void a_turntable_comes_back(void **state) {
         FfpRigCalibration o = settings_of(NULL, 0);
         FfpRigCalibrationStats stats;
         FfpTurntable read;
+        const FfpImportTurntable given = {.file = table, .angles = angles, .n_angles = STOPS};
         FfpError err = {0};
         snprintf(shots, sizeof shots, "%s/table_%d", scratch, reversed);
         shoot_table(shots, angles, NULL, STOPS, reversed ? -1 : 1);
@@ -555,7 +556,7 @@ static void a_turntable_comes_back(void **state) {
         FfpContext *context = listening();
         if (!ffp_calibrate_rig(context, &o, &stats, &err)) fail_msg("%s", err.text);
         ffp_context_free(context);
-        if (!ffp_turntable_read(&read, table, &err)) fail_msg("%s", err.text);
+        if (!ffp_turntable_take(&read, &given, &err)) fail_msg("%s", err.text);
         double across[3], off[3] = {0};
         for (int i = 0; i < 3; i++) off[i] = read.point[i] - axis_point[i];
         ffp_cross(off, u, across);

@@ -7,6 +7,7 @@
 #include "core/image/lookup.h"
 #include "rig/checks/checks.h"
 #include "rig/import/import.h"
+#include "rig/optics/lens.h"
 #include "scratch.h"
 
 #define SIDE 96
@@ -147,30 +148,30 @@ static bool import_board(const char *calibration_name, const char *name, const i
     static const char *const names[5] = {"black", "white", "first", "second", "third"};
     char sample[1024], calibration[1100], files[5][1100], patterns[3][128], folder[128];
     const char *calibrations[1] = {calibration};
-    FfpShotFiles images[5];
-    FfpProjected projected[3];
+    FfpImportImages images[5];
+    FfpImportPattern projected[3];
     if (!shared_path(sample, "real/kamino410/sample")) return false;
     snprintf(calibration, sizeof calibration, "%s/%s", sample, calibration_name);
     for (int i = 0; i < 5; i++) {
         const int number = i < 2 ? 41 - i : shown[i - 2];
         snprintf(files[i], sizeof files[i], "%s/capture_0/graycode_%02d.jpg", sample, number);
-        images[i] = (FfpShotFiles){&names[i], 1, files[i]};
+        images[i] = (FfpImportImages){&names[i], 1, files[i]};
         if (i < 2) continue;
         snprintf(patterns[i - 2], sizeof patterns[0], "%s/gray_%02d.png", scratch, number);
         write_gray_code(number, patterns[i - 2]);
-        projected[i - 2] = (FfpProjected){names[i], patterns[i - 2]};
+        projected[i - 2] = (FfpImportPattern){names[i], patterns[i - 2]};
     }
     snprintf(folder, sizeof folder, "%s/%s", scratch, name);
-    const FfpImportSettings settings = {.calibrations = calibrations,
-                                        .n_calibrations = 1,
-                                        .sources = {.images = images,
-                                                    .n_images = 5,
-                                                    .patterns = projected,
-                                                    .n_patterns = 3,
-                                                    .mask = FFP_MASKS_OTSU},
-                                        .projector = {.width = 1024, .height = 768},
-                                        .width = 320,
-                                        .folder = folder};
+    const FfpImport settings = {.calibrations = calibrations,
+                                .n_calibrations = 1,
+                                .images = images,
+                                .n_images = 5,
+                                .patterns = projected,
+                                .n_patterns = 3,
+                                .masks = FFP_MASKS_FROM_LIGHT,
+                                .projector = {.width = 1024, .height = 768},
+                                .width = 320,
+                                .folder = folder};
     FfpError err = {0};
     if (!ffp_import(&settings, &err) || !ffp_capture_read(capture, folder, &err)) fail_msg("%s", err.text);
     return true;

@@ -13,6 +13,7 @@
 #include "engine/match/match.h"
 #include "rig/graycode/graycode.h"
 #include "rig/import/import.h"
+#include "rig/optics/lens.h"
 #include "rig/optics/matrix.h"
 #include "scratch.h"
 
@@ -161,10 +162,10 @@ static int setup(void **state) {
 }
 
 typedef struct Call {
-    FfpImportSettings options;
+    FfpImport options;
     char calibration[200], black[200], white[200], codes[200], folder[200];
     const char *files[1];
-    FfpShotFiles images[2];
+    FfpImportImages images[2];
 } Call;
 static const char *const black[1] = {"black"}, *const white[1] = {"white"};
 
@@ -177,13 +178,15 @@ static Call *call_of(const char *folder) {
     snprintf(call.codes, sizeof call.codes, "%s/photos/*.png", scratch);
     snprintf(call.folder, sizeof call.folder, "%s/%s", scratch, folder);
     call.files[0] = call.calibration;
-    call.images[0] = (FfpShotFiles){black, 1, call.black};
-    call.images[1] = (FfpShotFiles){white, 1, call.white};
-    call.options = (FfpImportSettings){
-        .calibrations = call.files,
-        .n_calibrations = 1,
-        .sources = {.images = call.images, .n_images = 2, .mask = FFP_MASKS_OTSU, .codes = call.codes},
-        .folder = call.folder};
+    call.images[0] = (FfpImportImages){black, 1, call.black};
+    call.images[1] = (FfpImportImages){white, 1, call.white};
+    call.options = (FfpImport){.calibrations = call.files,
+                               .n_calibrations = 1,
+                               .images = call.images,
+                               .n_images = 2,
+                               .masks = FFP_MASKS_FROM_LIGHT,
+                               .gray_codes = call.codes,
+                               .folder = call.folder};
     return &call;
 }
 
@@ -266,12 +269,12 @@ static void test_cropped_pattern(void **state) {
     photograph("lollipop.png", &panel, 1, 78);
     snprintf(files[0], sizeof files[0], "%s/cut.png", scratch);
     snprintf(files[1], sizeof files[1], "%s/lollipop.png", scratch);
-    const FfpProjected pattern = {lollipop[0], files[0]};
+    const FfpImportPattern pattern = {lollipop[0], files[0]};
     Call *call = call_of("cropped");
-    FfpShotFiles images[3] = {call->images[0], call->images[1], {lollipop, 1, files[1]}};
-    call->options.sources.images = images, call->options.sources.n_images = 3;
-    call->options.sources.patterns = &pattern, call->options.sources.n_patterns = 1;
-    call->options.projector = (FfpPictureSize){.fit = FFP_PICTURES_CROPPED, .left = LEFT, .top = TOP};
+    FfpImportImages images[3] = {call->images[0], call->images[1], {lollipop, 1, files[1]}};
+    call->options.images = images, call->options.n_images = 3;
+    call->options.patterns = &pattern, call->options.n_patterns = 1;
+    call->options.projector = (FfpCalibratedAt){.fit = FFP_FIT_CROPPED, .left = LEFT, .top = TOP};
     FfpCapture capture;
     int known = 0;
     import(&capture, call);
@@ -299,7 +302,7 @@ static void test_names_with_brackets(void **state) {
     snprintf(places[1], sizeof places[1], "%s/set[1]/white?.png", scratch);
     snprintf(places[2], sizeof places[2], "%s/set[1]/0*.png", scratch);
     call->images[0].files = places[0], call->images[1].files = places[1];
-    call->options.sources.codes = places[2];
+    call->options.gray_codes = places[2];
     import(&capture, call);
     ffp_capture_free(&capture);
 }
@@ -342,13 +345,17 @@ static void test_depth(void **state) {
     ffp_capture_free(&capture);
 }
 
-// Two stops of a table that turns about the ball's middle: both look alike.
+// A table that turns about the ball's middle, at two stops.
+static FfpImportTurntable turntable(void) {
+    static const double angles[2] = {0, 30};
+    FfpImportTurntable out = {.axis = {0, -1, 0}, .angles = angles, .n_angles = 2};
+    memcpy(out.point, centre, sizeof out.point);
+    return out;
+}
+
+// Its stops look alike.
 static Call *two_turns(const char *folder) {
-    static FfpTurntable turntable;
     Call *call = call_of(folder);
-    turntable = (FfpTurntable){.axis = {0, -1, 0}, .count = 2};
-    memcpy(turntable.point, centre, sizeof turntable.point);
-    turntable.angles[1] = 30;
     for (int v = 0; v < 2; v++) {
         char command[512];
         snprintf(command, sizeof command, "cd '%s' && mkdir -p %s && cp photos/*.png black.png white.png %s/",
@@ -358,7 +365,7 @@ static Call *two_turns(const char *folder) {
     snprintf(call->black, sizeof call->black, "%s/{view}/black.png", scratch);
     snprintf(call->white, sizeof call->white, "%s/{view}/white.png", scratch);
     snprintf(call->codes, sizeof call->codes, "%s/{view}/[0-9]*.png", scratch);
-    call->options.turntable = &turntable;
+    call->options.turntable = turntable();
     return call;
 }
 
@@ -487,7 +494,7 @@ static void test_large_photographs(void **state) {
     snprintf(call->white, sizeof call->white, "%s/large/white.png", scratch);
     snprintf(call->codes, sizeof call->codes, "%s/large/[0-9]*.png", scratch);
     call->options.width = WIDTH / 2;
-    call->options.camera.fit = FFP_PICTURES_SCALED;
+    call->options.camera.fit = FFP_FIT_SCALED;
     import(&large, call);
     const double off = positions_off(&capture.views[0], 0.5, &known),
                  off_large = positions_off(&large.views[0], 0.5, &known_large);
@@ -515,11 +522,11 @@ static void test_codes_for_fits(void **state) {
     snprintf(files[1], sizeof files[1], "%s/photos/007.png", scratch);
     assert_true(ffp_image_write_png(&same, files[0], NULL));
     ffp_image_free(&same);
-    const FfpShotFiles images[3] = {call->images[0], call->images[1], {held, 1, files[1]}};
-    const FfpProjected held_out = {held[0], files[0]};
-    call->options.sources.images = images, call->options.sources.n_images = 3;
-    call->options.sources.held_out = &held_out, call->options.sources.n_held_out = 1;
-    call->options.codes = 8;
+    const FfpImportImages images[3] = {call->images[0], call->images[1], {held, 1, files[1]}};
+    const FfpImportPattern held_out = {held[0], files[0]};
+    call->options.images = images, call->options.n_images = 3;
+    call->options.held_out = &held_out, call->options.n_held_out = 1;
+    call->options.kept_codes = 8;
     call->options.width = WIDTH / 2; // some 2 pixels of the panel from one to the next
     import(&capture, call);
     static const char *const names[8] = {"gray_x_04", "gray_y_04", "gray_x_02_inverse", "gray_y_03_inverse",
@@ -544,7 +551,7 @@ static void test_codes_for_fits(void **state) {
     }
     assert_true(known > 1000 && right > 0.9 * known);
     ffp_capture_free(&capture);
-    call->options.codes = 33;
+    call->options.kept_codes = 33;
     snprintf(call->folder, sizeof call->folder, "%s/kept33", scratch);
     assert_false(ffp_import(&call->options, &err));
     assert_non_null(strstr(err.text, "33 is not in 0 to 32 (codes)"));
@@ -581,11 +588,11 @@ static void test_as_shown(void **state) {
     for (int codes = 0; codes < 2; codes++) {
         Call *call = call_of(codes ? "as_shown" : "as_shown_plain");
         snprintf(files[codes], sizeof files[codes], "%s/%s/*.png", scratch, codes ? "all" : "few");
-        const FfpShotFiles images = {.files = files[codes]};
-        call->options.sources.images = &images;
-        call->options.sources.n_images = 1;
-        call->options.sources.codes = NULL;
-        call->options.sources.shown = patterns;
+        const FfpImportImages images = {.files = files[codes]};
+        call->options.images = &images;
+        call->options.n_images = 1;
+        call->options.gray_codes = NULL;
+        call->options.shown = patterns;
         import(&capture, call);
         assert_true(capture.n_patterns == 3 && strcmp(capture.patterns[2].name, "lollipop_0") == 0);
         assert_int_equal(capture.views[0].correspondence.data != NULL, codes);
@@ -594,22 +601,22 @@ static void test_as_shown(void **state) {
     }
     // Another number of photographs, and a folder of no patterns.
     Call *call = call_of("as_shown_wrong");
-    const FfpShotFiles images = {.files = files[1]};
-    call->options.sources.images = &images;
-    call->options.sources.n_images = 1;
-    call->options.sources.shown = patterns;
+    const FfpImportImages images = {.files = files[1]};
+    call->options.images = &images;
+    call->options.n_images = 1;
+    call->options.shown = patterns;
     assert_false(ffp_import(&call->options, &err)); // codes named as well
     assert_non_null(strstr(err.text, "the photographs include the Gray codes"));
-    call->options.sources.codes = NULL;
+    call->options.gray_codes = NULL;
     assert_int_equal(remove(in_scratch("all/img_9.png")), 0);
     assert_false(ffp_import(&call->options, &err));
     assert_non_null(strstr(err.text,
                            "30 files match, but a view has 31 photographs for all that was shown, or 3 "
                            "without the Gray codes"));
-    call->options.sources.shown = scratch;
+    call->options.shown = scratch;
     assert_false(ffp_import(&call->options, &err));
     assert_non_null(strstr(err.text, "no picture is called <number>_<name>.png"));
-    call->options.sources.shown = NULL;
+    call->options.shown = NULL;
     assert_false(ffp_import(&call->options, &err));
     assert_non_null(strstr(err.text, "without names of patterns"));
 }
@@ -736,8 +743,8 @@ static void test_real_board(void **state) {
     for (int i = 0; i < 4; i++) snprintf(files[i], sizeof files[i], "%s/%s", root, names[i]);
     call->files[0] = files[0];
     call->images[0].files = files[1], call->images[1].files = files[2];
-    call->options.sources.codes = files[3];
-    call->options.projector = (FfpPictureSize){.width = 1024, .height = 768};
+    call->options.gray_codes = files[3];
+    call->options.projector = (FfpCalibratedAt){.width = 1024, .height = 768};
     call->options.linear_images = true;
     import(&capture, call);
     const double off = board_off(&capture.views[0], &known);
@@ -779,10 +786,7 @@ static void other_rig(Call *call) {
 
 // Two stops of a table, in the folders 000 and 030.
 static void two_stops(Call *call) {
-    static FfpTurntable turntable;
-    turntable = (FfpTurntable){.axis = {0, -1, 0}, .count = 2, .angles = {0, 30}};
-    memcpy(turntable.point, centre, sizeof turntable.point);
-    call->options.turntable = &turntable;
+    call->options.turntable = turntable();
     snprintf(call->black, sizeof call->black, "%s/fault/{view}/black.png", scratch);
     snprintf(call->white, sizeof call->white, "%s/fault/{view}/white.png", scratch);
 }

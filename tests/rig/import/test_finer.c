@@ -27,7 +27,7 @@ static void photograph(const char *path, int times, double light) {
 }
 
 typedef struct Import {
-    FfpImportSettings settings;
+    FfpImport settings;
     FfpStop stop;
     FfpView view;
     const char *pictures[FFP_PATTERNS_MAX];
@@ -37,7 +37,7 @@ typedef struct Import {
 // With a mask of the disc's own pixels, whose centre is `right` of where it is.
 static void open_import(Import *import, int times, int right) {
     *import = (Import){.pictures = {paths[0], paths[1], paths[2]}};
-    import->settings = (FfpImportSettings){0};
+    import->settings = (FfpImport){0};
     import->stop.camera = (FfpOptics){.width = times * WIDTH,
                                       .height = times * HEIGHT,
                                       .fx = 40 * times,

@@ -11,6 +11,7 @@
 #include "core/base/vec.h"
 #include "core/image/lookup.h"
 #include "rig/import/import.h"
+#include "rig/optics/lens.h"
 #include "rig/optics/matrix.h"
 #include "short_of_memory.h"
 
@@ -212,10 +213,10 @@ static void take_photographs(const Rig *rig, Kind kind) {
 // --- Importing. ---
 
 typedef struct Call {
-    FfpImportSettings options;
+    FfpImport options;
     char images[200], pattern[200], folder[100];
-    FfpShotFiles image_list[1];
-    FfpProjected pattern_list[1];
+    FfpImportImages image_list[1];
+    FfpImportPattern pattern_list[1];
     char files[2][100];
     const char *file_list[2];
 } Call;
@@ -229,14 +230,16 @@ static Call *call_of(const char *folder, const char *file, const char *second) {
     snprintf(call.folder, sizeof call.folder, "%s/%s", scratch, folder);
     snprintf(call.files[0], sizeof call.files[0], "%s/%s", scratch, file);
     snprintf(call.files[1], sizeof call.files[1], "%s/%s", scratch, second ? second : "");
-    call.image_list[0] = (FfpShotFiles){names, 3, call.images};
-    call.pattern_list[0] = (FfpProjected){"dots", call.pattern};
+    call.image_list[0] = (FfpImportImages){names, 3, call.images};
+    call.pattern_list[0] = (FfpImportPattern){"dots", call.pattern};
     call.file_list[0] = call.files[0], call.file_list[1] = call.files[1];
-    call.options = (FfpImportSettings){
-        .calibrations = call.file_list,
-        .n_calibrations = second ? 2 : 1,
-        .sources = {.images = call.image_list, .n_images = 1, .patterns = call.pattern_list, .n_patterns = 1},
-        .folder = call.folder};
+    call.options = (FfpImport){.calibrations = call.file_list,
+                               .n_calibrations = second ? 2 : 1,
+                               .images = call.image_list,
+                               .n_images = 1,
+                               .patterns = call.pattern_list,
+                               .n_patterns = 1,
+                               .folder = call.folder};
     return &call;
 }
 
@@ -505,7 +508,7 @@ static void test_poses_of_all_views(void **state) {
     check(call_of("from_procams", "cameras.json", "projector.json"), &rig, 30);
     write_nepmap(&rig);
     Call *call = call_of("from_nepmap", "transforms.json", NULL);
-    call->options.sources.n_images = call->options.sources.n_patterns = 0; // it names them itself
+    call->options.n_images = call->options.n_patterns = 0; // it names them itself
     check(call, &rig, 30);
 }
 
@@ -569,9 +572,9 @@ static void test_other_sizes(void **state) {
     write_colmap(&told, "elsewhere");
     Call *call = call_of("resized", "elsewhere", NULL);
     must_fail(call, "projector.fit");
-    call->options.projector = (FfpPictureSize){.fit = FFP_PICTURES_CROPPED, .left = 31, .top = 4};
+    call->options.projector = (FfpCalibratedAt){.fit = FFP_FIT_CROPPED, .left = 31, .top = 4};
     must_fail(call, "camera.fit");
-    call->options.camera.fit = FFP_PICTURES_SCALED;
+    call->options.camera.fit = FFP_FIT_SCALED;
     check(call, &rig, 50);
     FfpCapture capture; // the panel is what was calibrated
     if (!ffp_capture_read(&capture, call->folder, &err)) fail_msg("%s", err.text);
@@ -644,11 +647,11 @@ static void test_masks(void **state) {
     char masks[128];
     snprintf(masks, sizeof masks, "%s/masks/{index}.png", scratch);
     call = call_of("given", "model", NULL);
-    call->options.sources.mask = FFP_MASKS_FILES, call->options.sources.mask_files = masks;
+    call->options.masks = FFP_MASKS_FROM_FILES, call->options.mask_files = masks;
     check(call, &rig, 50);
     // A later one that is damaged, or finer than the photographs, is refused by name.
     call = call_of("never", "model", NULL);
-    call->options.sources.mask = FFP_MASKS_FILES, call->options.sources.mask_files = masks;
+    call->options.masks = FFP_MASKS_FROM_FILES, call->options.mask_files = masks;
     assert_true(ffp_write_file(in_scratch("masks/1.png"), "\x89PNG\r\n\x1a\n", 8, NULL));
     must_fail(call, "masks/1.png");
     FfpImage finer = ffp_image_new(2 * WIDTH, 2 * HEIGHT, 1);

@@ -25,10 +25,10 @@ static void test_turntable(void **state) {
     (void)state;
     static FfpTurntable turntable;
     calibration = fixed_rig();
-    turntable =
-        (FfpTurntable){.axis = {0.2, -1, 0.1}, .point = {3, 4, 50}, .count = 3, .angles = {0, 30, 200}};
-    assert_true(ffp_turntable_check_axis(&turntable, &err));
-    assert_true(ffp_turntable_check_angles(&turntable, &err));
+    const double angles[3] = {0, 30, 200};
+    const FfpImportTurntable given = {
+        .axis = {0.2, -1, 0.1}, .point = {3, 4, 50}, .angles = angles, .n_angles = 3};
+    assert_true(ffp_turntable_take(&turntable, &given, &err));
     assert_true(ffp_turntable_apply(&turntable, &calibration, &err));
     assert_int_equal(calibration.n_stops, 3);
     assert_string_equal(calibration.stops[2].id, "200");
@@ -67,7 +67,7 @@ static void stops_of(FfpTurntable *turntable, const double m[16], double c2w[16]
             seen.point[i] += m[4 * i + k] * turntable->point[k];
         }
     }
-    assert_true(ffp_turntable_check_axis(&seen, &err) && ffp_turntable_apply(&seen, &calibration, &err));
+    assert_true(ffp_turntable_apply(&seen, &calibration, &err));
     memcpy(c2w, calibration.stops[1].c2w, 16 * sizeof *c2w);
     ffp_calibration_free(&calibration);
 }
@@ -97,7 +97,9 @@ static void test_one_world(void **state) {
 
 static void test_files_of_turntables(void **state) {
     (void)state;
-    static FfpTurntable turntable, given;
+    static FfpTurntable turntable;
+    const double angles[2] = {0, 45};
+    FfpImportTurntable given = {.file = in_scratch("table.json")};
     static const char *const wrong[][2] = {
         {"{\"axis\": [0,-1,0], \"point\": [0,0,9], \"clockwise\": 1}", "table.json: clockwise"},
         {"{\"axis\": [0,-1,0], \"point\": [0,0,9], \"zero\": [0,0,0]}", "table.json: zero"},
@@ -105,16 +107,15 @@ static void test_files_of_turntables(void **state) {
     write_text("table.json",
                "{\"axis\": [0,-1,0], \"point\": [0,0,9], \"zero\": [1,0,0], \"clockwise\": true, "
                "\"board_angles\": [0, 15, 30]}");
-    if (!ffp_turntable_read(&turntable, in_scratch("table.json"), &err)) fail_msg("%s", err.text);
-    assert_true(turntable.clockwise && turntable.zero[0] == 1 && turntable.count == 0);
-    assert_false(ffp_turntable_set_angles(&turntable, &given, "table.json", &err));
+    assert_false(ffp_turntable_take(&turntable, &given, &err));
     assert_non_null(strstr(err.text, "the file has no angles"));
-    given.count = 2, given.angles[1] = 45;
-    assert_true(ffp_turntable_set_angles(&turntable, &given, "table.json", &err));
+    given.angles = angles, given.n_angles = 2;
+    if (!ffp_turntable_take(&turntable, &given, &err)) fail_msg("%s", err.text);
+    assert_true(turntable.clockwise && turntable.zero[0] == 1);
     assert_true(turntable.count == 2 && turntable.angles[1] == 45);
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         write_text("table.json", wrong[i][0]);
-        assert_false(ffp_turntable_read(&turntable, in_scratch("table.json"), &err));
+        assert_false(ffp_turntable_take(&turntable, &given, &err));
         if (!strstr(err.text, wrong[i][1])) fail_msg("'%s' is not in '%s'", wrong[i][1], err.text);
     }
 }

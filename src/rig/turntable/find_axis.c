@@ -1,35 +1,25 @@
-// Import: the turntable's axis from the pictures.
+// A turntable's axis from a capture's pictures, and the poses that it gives the views.
 #include <string.h>
 #include <tgmath.h>
+#include "core/base/alloc.h"
 #include "core/base/log.h"
 #include "rig/checks/measure.h"
-#include "rig/import/import_steps.h"
 #include "rig/turntable/fit_axis.h"
+#include "rig/turntable/turntable.h"
 
 #define MISFIT_MAX 0.1 // of the object's pixels, which an axis that is right leaves unexplained by the others
 
-static FfpAxis guess_of(const FfpImportSettings *settings) {
-    FfpAxis guess;
-    FfpTurntable turntable = *settings->turntable; // its direction brought to length 1
-    ffp_turntable_check_axis(&turntable, NULL);
-    memcpy(guess.direction, turntable.axis, sizeof guess.direction);
-    memcpy(guess.point, turntable.point, sizeof guess.point);
-    return guess;
-}
-
-static void place_stops(FfpImporting *import, const FfpAxis *axis, bool reversed) {
+static void place_stops(FfpCalibration *calibration, const FfpAxis *axis, bool reversed) {
     FfpTurntable *turntable = ffp_alloc(1, sizeof *turntable);
     memcpy(turntable->axis, axis->direction, sizeof turntable->axis);
     memcpy(turntable->point, axis->point, sizeof turntable->point);
-    ffp_turntable_place(turntable, reversed, &import->calibration);
+    ffp_turntable_place(turntable, reversed, calibration);
     ffp_free(turntable);
-    ffp_importing_take_poses(import);
 }
 
 // What the whole capture says about the axis found, to the user; refuses one that explains it badly.
-static bool accept_axis(FfpImporting *import, const FfpAxis *axis, const FfpAxisReport *report, int active,
+static bool accept_axis(FfpCapture *capture, const FfpAxis *axis, const FfpAxisReport *report, int active,
                         FfpError *err) {
-    FfpCapture *capture = &import->capture;
     ffp_capture_estimate_bounds(capture);
     const double misfit = ffp_rig_silhouette_misfit(capture);
     const FfpExplanation found = ffp_rig_explain(capture, active);
@@ -55,20 +45,21 @@ static bool accept_axis(FfpImporting *import, const FfpAxis *axis, const FfpAxis
                "pattern's file and the calibration");
 }
 
-bool ffp_importing_find_axis(FfpImporting *import, FfpError *err) {
-    const FfpCapture *capture = &import->capture;
-    if (import->settings->axis == FFP_AXIS_KNOWN) return true;
-    const bool guessed = import->settings->axis == FFP_AXIS_GUESSED;
+bool ffp_turntable_find(const FfpImportTurntable *given, FfpCalibration *calibration, FfpCapture *capture,
+                        FfpError *err) {
     const int active = ffp_capture_active_pattern(capture, NULL, err);
     FfpAxis axis, guess;
     FfpAxisReport report;
     double angles[FFP_VIEWS_MAX];
     if (active < 0) return false;
-    if (guessed) guess = guess_of(import->settings);
-    for (int v = 0; v < capture->n_views; v++) angles[v] = import->calibration.stops[v].angle;
-    if (!ffp_fit_axis(&axis, &report, capture, active, import->calibration.p2c, angles,
-                      guessed ? &guess : NULL, err))
+    memcpy(guess.direction, given->axis, sizeof guess.direction);
+    memcpy(guess.point, given->point, sizeof guess.point);
+    if (given->guessed) ffp_unit(guess.direction);
+    for (int v = 0; v < capture->n_views; v++) angles[v] = calibration->stops[v].angle;
+    if (!ffp_fit_axis(&axis, &report, capture, active, calibration->p2c, angles,
+                      given->guessed ? &guess : NULL, err))
         return false;
-    place_stops(import, &axis, report.reversed);
-    return accept_axis(import, &axis, &report, active, err);
+    place_stops(calibration, &axis, report.reversed);
+    ffp_calibration_pose_views(calibration, capture);
+    return accept_axis(capture, &axis, &report, active, err);
 }
