@@ -554,7 +554,7 @@ static void test_codes_for_fits(void **state) {
     call->options.kept_codes = 33;
     snprintf(call->folder, sizeof call->folder, "%s/kept33", scratch);
     assert_false(ffp_import(&call->options, &err));
-    assert_non_null(strstr(err.text, "33 is not in 0 to 32 (codes)"));
+    assert_non_null(strstr(err.text, "33 is not in 0 to 32 (kept_codes)"));
 }
 
 // All photographs of what `patterns` wrote in one folder, with the codes and without.
