@@ -35,6 +35,13 @@ static void put_chunk(FILE *stream, const char type[4], const unsigned char *hea
     fwrite(bytes, 1, 4, stream);
 }
 
+// acTL: how many frames there are, and that they play for ever.
+static void put_control(FfpFilm *film) {
+    unsigned char data[8] = {0};
+    put_u32(data, film->frames);
+    put_chunk(film->out.stream, "acTL", data, sizeof data, NULL, 0);
+}
+
 // fcTL: the frame's size, place and time; it replaces the frame before it.
 static void put_frame_control(FfpFilm *film) {
     unsigned char data[26] = {0};
@@ -57,9 +64,8 @@ static void put_frame(FfpFilm *film, const unsigned char *png, size_t size) {
         if (memcmp(type, "IHDR", 4) == 0 && film->done == 0) {
             fwrite(png, 1, PNG_SIGNATURE_SIZE, stream);
             put_chunk(stream, "IHDR", NULL, 0, data, length);
-            put_u32(head, film->frames);
-            put_u32(head + 4, 0);
-            put_chunk(stream, "acTL", head, 8, NULL, 0);
+            film->control = ftell(stream);
+            put_control(film);
             put_frame_control(film);
         } else if (memcmp(type, "IHDR", 4) == 0) {
             put_frame_control(film);
@@ -130,7 +136,17 @@ bool ffp_film_add(FfpFilm *film, const FfpImage *encoded, FfpError *err) {
     return true;
 }
 
+// Writes the number of frames that was not known before over the 0 in its place.
+static void put_count(FfpFilm *film) {
+    film->frames = film->done;
+    fseek(film->out.stream, film->control, SEEK_SET);
+    put_control(film);
+    fseek(film->out.stream, 0, SEEK_END);
+}
+
 bool ffp_film_commit(FfpFilm *film, FfpError *err) {
+    if (film->frames == 0 && film->done > 0 && !film->by_ffmpeg) put_count(film);
+    if (film->frames == 0) film->frames = film->done;
     if (film->done != film->frames) {
         ffp_film_abort(film);
         return ffp_fail(err, FFP_ERROR_ARGUMENT, film->out.path, "%u frames instead of %u",

@@ -17,13 +17,14 @@ bool ffp_film_check(const char *path, FfpError *err);
 typedef struct FfpFilm {
     FfpOutput out;
     int width, height, rate; // frames per second
-    uint32_t frames, done;
-    uint32_t sequence; // animated PNG: number of the next fcTL or fdAT chunk
+    uint32_t frames, done;   // frames: 0 where their number is not known before
+    long control;            // animated PNG: where its chunk acTL is
+    uint32_t sequence;       // animated PNG: number of the next fcTL or fdAT chunk
     bool by_ffmpeg;
     FfpProcess *ffmpeg; // runs from the first frame on, into out's temporary file
 } FfpFilm;
 bool ffp_film_open(FfpFilm *film, const char *path, int frames, int rate, FfpError *err);
-// All frames must have the same size, and their number must be the one announced.
+// All frames must have the same size, and their number must be the one announced, unless that was 0.
 bool ffp_film_add(FfpFilm *film, const FfpImage *encoded, FfpError *err);
 bool ffp_film_commit(FfpFilm *film, FfpError *err);
 void ffp_film_abort(FfpFilm *film); // safe after commit or a failed open

@@ -3,6 +3,7 @@
 #include "core/image/codec.h"
 
 #define SAVE "save it as PNG or TIFF", FFP_FOREIGN_OTHER
+#define SAVE_FILM "save it as PNG or TIFF", FFP_FOREIGN_FILM
 #define DEVELOP "develop it to a 16-bit TIFF or PNG", FFP_FOREIGN_RAW
 #define EXTRACT "extract its frames, for example by ffmpeg -i FILE frame_%04d.png", FFP_FOREIGN_FILM
 
@@ -14,9 +15,9 @@ typedef struct Foreign {
 } Foreign;
 
 static const Foreign table[] = {
-    {12, "RIFF????WEBP", "a WebP picture", SAVE},
+    {12, "RIFF????WEBP", "a WebP picture", SAVE_FILM},
     {12, "RIFF????AVI ", "an AVI video", EXTRACT},
-    {4, "GIF8", "a GIF", SAVE},
+    {4, "GIF8", "a GIF", SAVE_FILM},
     {10, "BM????\0\0\0\0", "a BMP picture", SAVE},
     {12, "????ftypheic", "a HEIC picture", SAVE},
     {12, "????ftypheix", "a HEIC picture", SAVE},

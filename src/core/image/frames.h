@@ -9,19 +9,22 @@ typedef struct FfpFrames {
     FfpProcess *process;
     const char *path;
     int width, height; // of all frames, once there is one
-    unsigned char *rgb;
-    int count; // that came so far
+    int channels;      // 3, or 4 with straight alpha
+    unsigned char *bytes;
+    int count;    // that came so far
+    bool webp;    // which ffmpeg may read only where nothing moves
+    int expected; // by what the file says of its length; 0: it does not
 } FfpFrames;
 
-// Whether a path names a film, or a part of one ("FILM@FROM-TO"), by what the file holds.
+// Whether a path names a film, or a part of one ("FILM@FROM-TO"), by what the file holds: GIF, WebP and
+// animated PNG too.
 bool ffp_frames_are_in(const char *path);
-// Starts reading, `rate` frames a second (0: the film's own). Errors: no film; ffmpeg is not installed.
+// Starts reading, `rate` frames a second (0: the film's own), with square pixels, in sRGB (stream.h); a note
+// says what was assumed. Errors: no film; ffmpeg is not installed.
 bool ffp_frames_open(FfpFrames *frames, const char *path, int rate, FfpError *err);
-// 1: *out is the next frame, U8 RGB, until the next call; 0: there are no more; -1: an error, as when frames
-// have several sizes, or none came at all.
+// 1: *out is the next frame, U8 RGB or RGBA, until the next call; 0: there are no more; -1: an error, as when
+// frames have several sizes, or none came at all.
 int ffp_frames_next(FfpFrames *frames, FfpRaw *out, FfpError *err);
 void ffp_frames_close(FfpFrames *frames); // safe after a failed open
-// How many there are; -1: an error.
-int ffp_frames_count(const char *path, int rate, FfpError *err);
 
 #endif

@@ -10,9 +10,10 @@
 #include "core/base/process.h"
 #include "core/image/codec.h"
 #include "core/image/frames.h"
+#include "core/image/stream.h"
 
 #define RAW_BYTES_MAX ((size_t)1 << 30)
-enum { HEAD = 32, SAMPLE_MAX = 65535 };
+enum { HEAD = 32, PNG_HEAD = 65536, SAMPLE_MAX = 65535 };
 
 // Linear light of the samples of a pixmap, and the greatest of them: 255, or 65535, of two bytes.
 typedef struct Samples {
@@ -27,6 +28,8 @@ typedef struct Source {
     bool part;       // of a film
     double from, to; // seconds; to < from: one frame
     int rate;        // of a film's frames, a second; 0: its own
+    bool alpha;      // of a film's frames is wanted, if it has one
+    FfpStream stream;
 } Source;
 
 // --- What it is. ---
@@ -83,6 +86,25 @@ static bool is_tiff_raw(const char *file) {
     return raw;
 }
 
+// Whether it has more than one picture: its chunk acTL, before the first picture's data, says so.
+static bool is_animated_png(const char *file) {
+    unsigned char bytes[PNG_HEAD];
+    FILE *stream = ffp_open_to_read(file, NULL);
+    if (!stream) return false;
+    const size_t size = fread(bytes, 1, sizeof bytes, stream);
+    fclose(stream);
+    for (size_t at = 8; at + 12 <= size;) {
+        const unsigned char *chunk = bytes + at;
+        const size_t length =
+            (size_t)chunk[0] << 24 | (size_t)chunk[1] << 16 | (size_t)chunk[2] << 8 | chunk[3];
+        if (memcmp(chunk + 4, "IDAT", 4) == 0) return false;
+        if (memcmp(chunk + 4, "acTL", 4) == 0)
+            return chunk[8] > 0 || chunk[9] > 0 || chunk[10] > 0 || chunk[11] > 1;
+        at += 12 + length;
+    }
+    return false;
+}
+
 // A file named like a raw photograph or a film must be one, or a picture, which is then read as such; any
 // other content is an error that names the file.
 static bool check_name(const char *file, const FfpBytes *head, FfpError *err) {
@@ -102,10 +124,12 @@ static bool open_source(Source *source, const char *path, FfpError *err) {
     const FfpBytes head = {.data = bytes, .size = fread(bytes, 1, sizeof bytes, stream), .path = path};
     fclose(stream);
     source->kind = ffp_foreign_kind(&head);
+    if (ffp_png_is(&head) && is_animated_png(source->file)) source->kind = FFP_FOREIGN_FILM;
     if (source->kind == FFP_FOREIGN_OTHER && ffp_tiff_is(&head) && is_tiff_raw(source->file))
         source->kind = FFP_FOREIGN_RAW;
     if (source->part && source->kind != FFP_FOREIGN_FILM)
         return ffp_fail(err, FFP_ERROR_FILE, path, "'%s' is not a film: it has no parts", source->file);
+    if (source->kind == FFP_FOREIGN_FILM) ffp_stream_probe(&source->stream, source->file);
     return source->kind != FFP_FOREIGN_OTHER || check_name(source->file, &head, err);
 }
 
@@ -115,10 +139,44 @@ static const char *program_of(const Source *source) {
     return source->kind == FFP_FOREIGN_RAW ? "dcraw_emu" : "ffmpeg";
 }
 
+// Of a film: an option and its value, unless it has none.
+static int put(const char **arguments, int n, const char *option, const char *value) {
+    if (!value) return n;
+    arguments[n] = option;
+    arguments[n + 1] = value;
+    return n + 2;
+}
+
+static bool start_film(FfpProcess **process, const Source *source, bool size_only, FfpError *err) {
+    char file[FFP_PATH_MAX + 8], from[32], length[32], rate[16], filter[FFP_STREAM_FILTER];
+    const char *arguments[40] = {"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin"};
+    const FfpStream *stream = &source->stream;
+    const bool one = size_only || (source->part && source->to < source->from),
+               alpha = source->alpha && stream->alpha;
+    snprintf(file, sizeof file, "file:%s", source->file);
+    snprintf(from, sizeof from, "%.6f", source->from);
+    snprintf(length, sizeof length, "%.6f", source->to - source->from);
+    snprintf(rate, sizeof rate, "%d", source->rate);
+    ffp_stream_filter(stream, alpha, filter);
+    int n = put(arguments, 5, "-ss", from);
+    n = put(arguments, n, "-t", source->part && !one ? length : NULL);
+    n = put(arguments, n, "-c:v", ffp_stream_decoder(stream));
+    n = put(arguments, n, "-f", ffp_stream_format(stream));
+    n = put(arguments, n, "-i", file);
+    n = put(arguments, n, "-map", "0:V:0");
+    n = put(arguments, n, "-vf", filter);
+    n = put(arguments, n, "-r", source->rate > 0 ? rate : NULL);
+    n = put(arguments, n, "-frames:v", one ? "1" : NULL);
+    n = put(arguments, n, "-c:v", alpha ? "pam" : "ppm");
+    n = put(arguments, n, "-f", "image2pipe");
+    arguments[n] = "pipe:1";
+    return ffp_process_start(process, arguments, FFP_PROCESS_STDOUT, source->path, err);
+}
+
 // `size_only`: a picture of the same size will do, soon.
 static bool start(FfpProcess **process, const Source *source, bool size_only, FfpError *err) {
-    char file[FFP_PATH_MAX + 8], from[32], length[32], rate[16];
-    const char *arguments[34] = {program_of(source)};
+    char file[FFP_PATH_MAX + 8];
+    const char *arguments[16] = {program_of(source)};
     int n = 1;
     if (!ffp_program_exists(arguments[0]))
         return ffp_fail(err, FFP_ERROR_UNSUPPORTED, source->path,
@@ -134,33 +192,11 @@ static bool start(FfpProcess **process, const Source *source, bool size_only, Ff
         for (size_t i = 0; i < sizeof options / sizeof *options; i++) arguments[n++] = options[i];
         return ffp_process_start(process, arguments, FFP_PROCESS_STDOUT, source->path, err);
     }
-    snprintf(file, sizeof file, "file:%s", source->file);
-    snprintf(from, sizeof from, "%.6f", source->from);
-    snprintf(length, sizeof length, "%.6f", source->to - source->from);
-    const bool one = size_only || (source->part && source->to < source->from);
-    const char *const before[] = {"-hide_banner", "-loglevel", "error", "-nostdin", "-ss", from};
-    const char *const after[] = {"-i",   file,  "-map",     "0:v:0", "-f",    "image2pipe",
-                                 "-c:v", "ppm", "-pix_fmt", "rgb24", "pipe:1"};
-    for (size_t i = 0; i < sizeof before / sizeof *before; i++) arguments[n++] = before[i];
-    if (source->part && !one) {
-        arguments[n++] = "-t";
-        arguments[n++] = length;
-    }
-    for (size_t i = 0; i + 1 < sizeof after / sizeof *after; i++) arguments[n++] = after[i];
-    if (source->rate > 0) {
-        snprintf(rate, sizeof rate, "%d", source->rate);
-        arguments[n++] = "-r";
-        arguments[n++] = rate;
-    }
-    if (one) {
-        arguments[n++] = "-frames:v";
-        arguments[n++] = "1";
-    }
-    arguments[n] = after[sizeof after / sizeof *after - 1];
-    return ffp_process_start(process, arguments, FFP_PROCESS_STDOUT, source->path, err);
+    return start_film(process, source, size_only, err);
 }
 
-// --- Portable pixmaps, as both programs write them: "P6 WIDTH HEIGHT MOST ", samples. ---
+// --- Portable pixmaps, as both programs write them: "P6 WIDTH HEIGHT MOST ", samples; and with alpha "P7",
+// lines of a word and its number until "ENDHDR", samples. ---
 
 static int read_number(FfpProcess *process) {
     int value = 0, digits = 0;
@@ -172,6 +208,35 @@ static int read_number(FfpProcess *process) {
         if (ffp_process_read(process, &c, 1) != 1) return -1;
     }
     return digits > 0 && isspace((unsigned char)c) ? value : -1;
+}
+
+// A line of at most 31 characters.
+static bool read_line(FfpProcess *process, char line[32]) {
+    for (int n = 0; n < 31; n++) {
+        if (ffp_process_read(process, line + n, 1) != 1) return false;
+        if (line[n] == '\n') {
+            line[n] = 0;
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool read_alpha_header(FfpProcess *process, int *width, int *height, bool *more) {
+    char line[32], magic[2];
+    int depth = 0, most = 0;
+    *width = *height = 0;
+    *more = ffp_process_read(process, magic, 2) == 2;
+    if (!*more || memcmp(magic, "P7", 2) != 0) return false;
+    while (read_line(process, line)) {
+        if (strcmp(line, "ENDHDR") == 0)
+            return depth == 4 && most == UCHAR_MAX && ffp_check_sides(*width, *height, "", NULL);
+        if (strncmp(line, "WIDTH ", 6) == 0) *width = (int)strtol(line + 6, NULL, 10);
+        if (strncmp(line, "HEIGHT ", 7) == 0) *height = (int)strtol(line + 7, NULL, 10);
+        if (strncmp(line, "DEPTH ", 6) == 0) depth = (int)strtol(line + 6, NULL, 10);
+        if (strncmp(line, "MAXVAL ", 7) == 0) most = (int)strtol(line + 7, NULL, 10);
+    }
+    return false;
 }
 
 // False without a picture that could follow; *more is false where there is none at all.
@@ -248,6 +313,7 @@ static bool develop(FfpImage *rgb, int *count, const Source *source, bool linear
     FfpError why = {0};
     *rgb = (FfpImage){0};
     if (!start(&process, source, false, err)) return false;
+    if (source->kind == FFP_FOREIGN_FILM) ffp_stream_note(&source->stream, source->path, true);
     const Samples samples = samples_of(source, linear);
     *count = sum_pictures(rgb, process, &samples, source->path, &why);
     ffp_free(samples.light);
@@ -350,7 +416,14 @@ bool ffp_frames_open(FfpFrames *frames, const char *path, int rate, FfpError *er
     *frames = (FfpFrames){.path = path};
     if (!open_source(&source, path, err)) return false;
     source.rate = rate;
+    source.alpha = true;
     if (source.kind != FFP_FOREIGN_FILM) return ffp_fail(err, FFP_ERROR_FILE, path, "is not a film");
+    ffp_stream_note(&source.stream, path, false);
+    frames->channels = source.stream.alpha ? 4 : 3;
+    frames->webp = strcmp(source.stream.codec, "webp") == 0;
+    const double left = source.stream.seconds - source.from,
+                 seconds = source.part && source.to - source.from < left ? source.to - source.from : left;
+    frames->expected = seconds > 0 && seconds * rate < 1e9 ? (int)(seconds * rate + 0.5) : 0;
     return start(&frames->process, &source, false, err);
 }
 
@@ -359,6 +432,11 @@ static int end_of_frames(FfpFrames *frames, bool more, FfpError *err) {
     char said[FFP_PROCESS_SAID];
     const bool ended = ffp_process_finish(&frames->process, said);
     if (!more && ended && frames->count > 0) return 0;
+    if (frames->webp && frames->count == 0) {
+        ffp_fail(err, FFP_ERROR_UNSUPPORTED, frames->path,
+                 "is an animated WebP, which this ffmpeg does not read: save it as GIF, animated PNG or MP4");
+        return -1;
+    }
     ffp_fail(err, FFP_ERROR_FILE, frames->path, "ffmpeg could not read all of the film%s%s",
              *said ? ": " : "", said);
     return -1;
@@ -368,36 +446,33 @@ int ffp_frames_next(FfpFrames *frames, FfpRaw *out, FfpError *err) {
     int width, height;
     bool more;
     ffp_cancel_point();
-    if (!read_header(frames->process, UCHAR_MAX, &width, &height, &more))
+    if (!(frames->channels == 4 ? read_alpha_header(frames->process, &width, &height, &more)
+                                : read_header(frames->process, UCHAR_MAX, &width, &height, &more)))
         return end_of_frames(frames, more, err);
-    const size_t size = 3 * (size_t)width * (size_t)height;
-    if (!frames->rgb) {
+    const size_t size = (size_t)frames->channels * (size_t)width * (size_t)height;
+    if (!frames->bytes) {
         frames->width = width;
         frames->height = height;
-        frames->rgb = ffp_alloc(size, 1);
+        frames->bytes = ffp_alloc(size, 1);
     }
     if (width != frames->width || height != frames->height) {
         ffp_fail(err, FFP_ERROR_FILE, frames->path, "its frames have several sizes, %d x %d and %d x %d",
                  frames->width, frames->height, width, height);
         return -1;
     }
-    if (ffp_process_read(frames->process, frames->rgb, size) != size) return end_of_frames(frames, true, err);
+    if (ffp_process_read(frames->process, frames->bytes, size) != size)
+        return end_of_frames(frames, true, err);
     frames->count++;
-    *out = (FfpRaw){.data = frames->rgb, .width = width, .height = height, .channels = 3, .type = FFP_RAW_U8};
+    *out = (FfpRaw){.data = frames->bytes,
+                    .width = width,
+                    .height = height,
+                    .channels = frames->channels,
+                    .type = FFP_RAW_U8};
     return 1;
 }
 
 void ffp_frames_close(FfpFrames *frames) {
     ffp_process_kill(&frames->process);
-    ffp_free(frames->rgb);
-    frames->rgb = NULL;
-}
-
-int ffp_frames_count(const char *path, int rate, FfpError *err) {
-    FfpFrames frames;
-    FfpRaw raw;
-    int status = ffp_frames_open(&frames, path, rate, err) ? 1 : -1;
-    while (status > 0) status = ffp_frames_next(&frames, &raw, err);
-    ffp_frames_close(&frames);
-    return status < 0 ? -1 : frames.count;
+    ffp_free(frames->bytes);
+    frames->bytes = NULL;
 }

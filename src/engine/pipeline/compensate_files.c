@@ -103,12 +103,11 @@ static void take_means(FfpCompensationStats *sum, int frames) {
 static bool write_film(FilmJob *job, FfpError *err) {
     const FfpCompensation *options = job->options;
     const int rate = options->rate > 0 ? options->rate : 15;
-    const int count = ffp_frames_count(options->targets[0], rate, err);
     FfpFrames frames;
     FfpRaw frame;
-    if (count < 0 || !ffp_film_open(&job->film, options->video, count, rate, err)) return false;
-    const FfpTask task = ffp_task("correcting frames", count);
+    if (!ffp_film_open(&job->film, options->video, 0, rate, err)) return false;
     int status = ffp_frames_open(&frames, options->targets[0], rate, err) ? 1 : -1, done = 0;
+    const FfpTask task = ffp_task("correcting frames", frames.expected);
     while (status > 0 && (status = ffp_frames_next(&frames, &frame, err)) > 0) {
         if (!add_corrected(job, &frame, done == 0, err)) status = -1;
         ffp_task_step(&task, ++done, NULL);

@@ -211,12 +211,12 @@ static bool add_film(FfpPictureJob *job, const char *film, FfpError *err) {
     const double bytes = 3.0 * sizeof(real) * projector->width * projector->height;
     FfpFrames frames;
     FfpRaw raw;
-    const int count = ffp_frames_count(film, rate, err);
-    if (count < 0 ||
-        !ffp_memory_suffices(count * bytes, "the film's frames",
-                             "give a part of it, FILM@FROM-TO in seconds, or a lower rate", film, err))
-        return false;
-    int status = ffp_frames_open(&frames, film, rate, err) ? 1 : -1;
+    int status =
+        ffp_frames_open(&frames, film, rate, err) &&
+                ffp_memory_suffices(frames.expected * bytes, "the film's frames",
+                                    "give a part of it, FILM@FROM-TO in seconds, or a lower rate", film, err)
+            ? 1
+            : -1;
     for (int i = 0; status > 0 && (status = ffp_frames_next(&frames, &raw, err)) > 0; i++)
         if (!add_frame(job, film, &raw, i, err)) status = -1;
     ffp_frames_close(&frames);

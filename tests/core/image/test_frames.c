@@ -1,0 +1,160 @@
+// Films as other programs write them, made by ffmpeg: what they say of their colours, their pixels and their
+// transparency arrives in the frames.
+#include <math.h>
+#include <stdlib.h>
+#include "core/base/call.h"
+#include "core/base/process.h"
+#include "core/image/film.h"
+#include "core/image/frames.h"
+#include "scratch.h"
+
+#define SPLIT "split[a][b];[a]crop=iw/2:ih:0:0[l];[b]crop=iw/2:ih:iw/2:0,lutrgb=r=0:g=200:b=0[r];[l][r]hstack"
+#define LIGHT                                                                                                \
+    "format=gbrpf32le,zscale=pin=bt709:tin=iec61966-2-1:rin=full:min=gbr:npl=203:p=bt2020:m=bt2020nc:r="     \
+    "limited:"
+
+#define CLEAR                                                                                                \
+    "format=rgba,split[c][d];[c]crop=iw/2:ih:0:0[e];[d]crop=iw/2:ih:iw/2:0,lutrgb=a=0[f];[e][f]hstack"
+
+// Of the left half red, of the right half green of 200, or none of it.
+typedef struct Case {
+    const char *name;
+    int width, height; // as made
+    const char *filter, *options;
+    int wide, high, channels, frames; // as read
+    int tolerance;
+    int right_alpha;
+    const char *note; // part of the note; "": none
+} Case;
+
+static const Case cases[] = {
+    {"tagged.mkv", 64, 48, "scale=out_color_matrix=bt709,format=yuv444p",
+     "-c:v libx264 -qp 0 -colorspace bt709 -color_primaries bt709 -color_trc bt709", 64, 48, 3, 3, 3, 255,
+     ""},
+    {"small.mkv", 64, 48, "scale=out_color_matrix=bt601,format=yuv444p", "-c:v ffv1", 64, 48, 3, 3, 3, 255,
+     "small.mkv: without a tag of its colours, read as BT.601"},
+    {"large.mkv", 1280, 720, "scale=out_color_matrix=bt709,format=yuv444p", "-c:v ffv1", 1280, 720, 3, 3, 3,
+     255, "large.mkv: without a tag of its colours, read as BT.709"},
+    {"range.mkv", 64, 48, "scale=out_color_matrix=bt709:out_range=pc,format=yuv444p",
+     "-c:v libx264 -qp 0 -colorspace bt709 -color_primaries bt709 -color_trc bt709 -color_range pc", 64, 48,
+     3, 3, 3, 255, ""},
+    {"wide.mkv", 64, 48,
+     "format=gbrp16le,zscale=pin=bt709:tin=bt709:rin=full:p=bt2020:t=bt709:m=bt2020nc:r=limited,format="
+     "yuv444p10le",
+     "-c:v libx264 -qp 0 -colorspace bt2020nc -color_primaries bt2020 -color_trc bt709", 64, 48, 3, 3, 9, 255,
+     "wide.mkv: colours of BT.2020 become sRGB"},
+    {"pq.mkv", 64, 48, LIGHT "t=smpte2084,format=yuv444p10le",
+     "-c:v libx265 -x265-params log-level=none:lossless=1 -colorspace bt2020nc -color_primaries bt2020 "
+     "-color_trc smpte2084",
+     64, 48, 3, 3, 6, 255, "pq.mkv: PQ, white at 203 cd/m2, becomes sRGB"},
+    {"hlg.mkv", 64, 48, LIGHT "t=arib-std-b67,format=yuv444p10le",
+     "-c:v libx265 -x265-params log-level=none:lossless=1 -colorspace bt2020nc -color_primaries bt2020 "
+     "-color_trc arib-std-b67",
+     64, 48, 3, 3, 6, 255, "hlg.mkv: HLG, white at 203 cd/m2, becomes sRGB"},
+    {"pixels.mkv", 32, 48, "scale=out_color_matrix=bt709,setsar=2,format=yuv444p",
+     "-c:v libx264 -qp 0 -colorspace bt709 -color_primaries bt709 -color_trc bt709", 64, 48, 3, 3, 3, 255,
+     "pixels.mkv: pixels of 2:1 are made square"},
+    {"high.mkv", 64, 24, "scale=out_color_matrix=bt709,setsar=1/2,format=yuv444p",
+     "-c:v libx264 -qp 0 -colorspace bt709 -color_primaries bt709 -color_trc bt709", 64, 48, 3, 3, 3, 255,
+     "pixels of 1:2 are made square"},
+    {"a.gif", 64, 48, "split[c][d];[c]palettegen[e];[d][e]paletteuse", "", 64, 48, 4, 3, 8, 255, ""},
+    {"animated.png", 64, 48, "format=rgb24", "-f apng", 64, 48, 3, 3, 1, 255, ""},
+    {"a.webp", 64, 48, "null", "-frames:v 1 -lossless 1", 64, 48, 4, 1, 2, 255, ""},
+    {"alpha.mkv", 64, 48, CLEAR, "-c:v ffv1 -pix_fmt bgra", 64, 48, 4, 3, 1, 0, ""},
+    {"alpha.webm", 64, 48, CLEAR ",format=yuva420p", "-c:v libvpx-vp9 -lossless 1", 64, 48, 4, 3, 3, 0,
+     "read as BT.601"},
+};
+
+typedef struct Said {
+    const Case *of;
+    char words[512];
+} Said;
+
+static void hear(void *user, FfpLogLevel level, const char *text) {
+    Said *said = user;
+    (void)level;
+    strncat(said->words, text, sizeof said->words - strlen(said->words) - 1);
+}
+
+static void expect_pixel(const Case *of, const FfpRaw *frame, int x, const int wanted[4]) {
+    const unsigned char *at = (const unsigned char *)frame->data +
+                              (size_t)frame->channels * (size_t)(frame->height / 2 * frame->width + x);
+    for (int c = 0; c < frame->channels; c++)
+        if (abs(at[c] - wanted[c]) > of->tolerance)
+            fail_msg("%s, column %d: %d %d %d %d, not %d %d %d %d", of->name, x, at[0], at[1], at[2],
+                     frame->channels > 3 ? at[3] : 255, wanted[0], wanted[1], wanted[2], wanted[3]);
+}
+
+static bool read_film(void *argument, FfpError *err) {
+    const Case *of = ((Said *)argument)->of;
+    FfpFrames frames;
+    FfpRaw frame;
+    int status;
+    assert_true(ffp_frames_are_in(in_scratch(of->name)));
+    if (!ffp_frames_open(&frames, in_scratch(of->name), 3, err)) return false;
+    while ((status = ffp_frames_next(&frames, &frame, err)) > 0) {
+        assert_int_equal(frame.width, of->wide);
+        assert_int_equal(frame.height, of->high);
+        assert_int_equal(frame.channels, of->channels);
+        expect_pixel(of, &frame, frame.width / 4, (const int[4]){255, 0, 0, 255});
+        expect_pixel(of, &frame, 3 * frame.width / 4, (const int[4]){0, 200, 0, of->right_alpha});
+    }
+    assert_int_equal(frames.count, of->frames);
+    ffp_frames_close(&frames);
+    return status == 0;
+}
+
+static void need_ffmpeg(void) {
+    if (ffp_program_exists("ffmpeg") && ffp_program_exists("ffprobe")) return;
+    printf("skipped: ffmpeg is not here\n");
+    skip();
+}
+
+static void films_of_many_kinds(void **state) {
+    (void)state;
+    need_ffmpeg();
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const Case *of = &cases[i];
+        char command[2048];
+        Said said = {.of = of};
+        FfpError err = {0};
+        snprintf(command, sizeof command,
+                 "ffmpeg -loglevel error -nostdin -y -f lavfi -i color=red:s=%dx%d:r=3:d=1 -filter_complex "
+                 "\"format=gbrp," SPLIT ",%s\" %s %s/%s",
+                 of->width, of->height, of->filter, of->options, scratch, of->name);
+        if (system(command) != 0) fail_msg("%s", command);
+        FfpContext context = {.settings = {.user = &said, .log = hear}};
+        if (!ffp_call_run(&context, read_film, &said, &err)) fail_msg("%s: %s", of->name, err.text);
+        if (*of->note ? !strstr(said.words, of->note) : *said.words != 0)
+            fail_msg("%s: said \"%s\"", of->name, said.words);
+    }
+}
+
+// A picture alone is not a film, an animation whose number of frames was not known before is one.
+static void animated_pictures(void **state) {
+    (void)state;
+    FfpImage picture = ffp_image_new(4, 4, 3);
+    for (int frames = 1; frames <= 2; frames++) {
+        FfpFilm film;
+        FfpError err = {0};
+        assert_true(ffp_film_open(&film, in_scratch("own.png"), 0, 10, &err));
+        for (int f = 0; f < frames; f++) assert_true(ffp_film_add(&film, &picture, &err));
+        if (!ffp_film_commit(&film, &err)) fail_msg("%s", err.text);
+        assert_int_equal(ffp_frames_are_in(in_scratch("own.png")), frames > 1);
+    }
+    ffp_image_free(&picture);
+    need_ffmpeg();
+    FfpFrames frames;
+    FfpRaw frame;
+    FfpError err = {0};
+    if (!ffp_frames_open(&frames, in_scratch("own.png"), 10, &err)) fail_msg("%s", err.text);
+    while (ffp_frames_next(&frames, &frame, &err) > 0) assert_int_equal(frame.width, 4);
+    assert_int_equal(frames.count, 2);
+    ffp_frames_close(&frames);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(films_of_many_kinds),
+                                       cmocka_unit_test(animated_pictures)};
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
+}
