@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Faults of rooms, put into photographs of a room one at a time: the messages of `import` and `info` on each, and what it costs.
 
-    bench/room_faults.py ROOM FFPROCAMS WORK [--width 240] [--only WORDS]..
+    bench/room_faults.py ROOM PATTERNS FFPROCAMS WORK [--width 240] [--only WORDS]..
 
-ROOM: as `ffprocams generate ROOM --photographs PATTERNS --room --seed N` writes it; FFPROCAMS: the program; WORK: a new folder.
+ROOM: as `ffprocams generate ROOM --photographs PATTERNS --room --seed N` writes it, with one lollipop; FFPROCAMS: the program; WORK: a new folder.
 Prints a table in Markdown: pixels of the true masks that are missing, and those too many, in percent of the object; by how many dB the
 object's pixels at two new turns (three patterns, without noise) are worse than in the sound room; and the messages that the sound room
 does not get. Where the fault is the object's own look (RENDERED), its truth is the new turns with the same look, and what is printed is
@@ -24,30 +24,35 @@ from PIL import Image, ImageFilter
 
 parser = argparse.ArgumentParser()
 parser.add_argument("room", type=pathlib.Path)
+parser.add_argument("patterns", type=pathlib.Path)
 parser.add_argument("program")
 parser.add_argument("work", type=pathlib.Path)
 parser.add_argument("--width", default="240")
 parser.add_argument("--only", action="append", default=[], help="faults whose names contain this (and none); may be repeated")
 arguments = parser.parse_args()
 room, work = arguments.room.resolve(), arguments.work.resolve()
-axis = json.loads((room / "axis.json").read_text())
-TURNS = {"new22": "022", "new157": "157"}  # not photographed; without noise
+truth = json.loads((room / "truth.json").read_text())
+TURNS = ["022", "157"]  # without noise
 names, stops, odd = ["black", "white", "lollipop_0"], [f"{t:03d}" for t in range(0, 360, 45)], "090"
 
 
 def turntable(angles):
-    return ",".join(repr(float(v)) for v in [*axis["axis"], *axis["point"], *angles])
+    return ",".join(repr(float(v)) for v in [*truth["axis"], *truth["point"], *angles])
 
 
 @functools.lru_cache(None)
 def photograph(folder, name):
-    source = room / ("empty" if folder == "empty" else f"truth/{folder}" if folder in TURNS else f"photographs/{folder}")
-    return np.asarray(Image.open(next(source.glob(f"*{name}.*"))).convert("RGB"), float)
+    top, place = room / ("truth" if folder in TURNS else ""), folder if folder == "empty" else f"view-{folder}"
+    if name not in names:
+        place, number = f"held-out/{place}", name
+    else:
+        number = f"{names.index(name) + 1:03d}"
+    return np.asarray(Image.open(next((top / place).glob(f"{number}.*"))).convert("RGB"), float)
 
 
 @functools.lru_cache(None)
 def mask(folder):
-    return (np.asarray(Image.open(room / "masks" / f"{folder}.png").convert("L"), float) / 255)[..., None]
+    return (np.asarray(Image.open(room / "masks" / f"view-{folder}.png").convert("L"), float) / 255)[..., None]
 
 
 def block(picture, colour, left, top, right, bottom):
@@ -169,9 +174,8 @@ def take(photographs, out, angles, *more):
     links.mkdir()
     for stop, angle in zip(stops, angles):
         (links / f"{angle:03d}").symlink_to(photographs / stop)
-    lollipop = next((room / "patterns").glob("*lollipop_0.png"))
-    return said_by("import", "-c", room / "calibration.xml", "-t", turntable(angles), *[x for n in names for x in ("-i", f"{n}={links}/{{view}}/{n}.png")],
-                   "-p", f"lollipop_0={lollipop}", "-w", arguments.width, "--name", "rig", "-o", out, *more)
+    return said_by("import", "-c", room / "truth.json", "-t", turntable(angles), *[x for n in names for x in ("-i", f"{n}={links}/{{view}}/{n}.png")],
+                   "-p", f"lollipop_0={arguments.patterns}/003_lollipop_0.png", "-w", arguments.width, "--name", "rig", "-o", out, *more)
 
 
 def slip(capture, first, share):
@@ -191,16 +195,16 @@ def slip(capture, first, share):
 
 def make_truth(out, fault="none"):
     """Two turns that are not photographed, without noise, under white and two other patterns."""
-    held = sorted(f.stem for f in (room / "truth" / "new22").glob("*.png") if (room / "patterns" / f.name).exists() and f.stem not in names)
+    held = sorted(f.stem for f in (room / "held-out").glob("*.png"))
     (out / "masks").mkdir(parents=True)
-    for turn, name in TURNS.items():
-        (out / "views" / name).mkdir(parents=True)
+    for turn in TURNS:
+        (out / "views" / turn).mkdir(parents=True)
         for pattern in ["black", "white", *held]:
             picture = FAULTS[fault](turn, pattern, photograph(turn, pattern).copy())
-            Image.fromarray(np.clip(picture, 0, 255).astype(np.uint8)).save(out / "views" / name / f"{pattern}.png")
-        (out / "masks" / f"{name}.png").symlink_to(room / "masks" / f"{turn}.png")
-    status, said = said_by("import", "-c", room / "calibration.xml", "-t", turntable([22, 157]), *[x for n in ["black", "white", *held] for x in ("-i", f"{n}={out}/views/{{view}}/{n}.png")],
-                           "-p", f"{held[0]}={room}/patterns/{held[0]}.png", *[x for n in held[1:] for x in ("--held-out", f"{n}={room}/patterns/{n}.png")],
+            Image.fromarray(np.clip(picture, 0, 255).astype(np.uint8)).save(out / "views" / turn / f"{pattern}.png")
+        (out / "masks" / f"{turn}.png").symlink_to(room / "masks" / f"view-{turn}.png")
+    status, said = said_by("import", "-c", room / "truth.json", "-t", turntable([22, 157]), *[x for n in ["black", "white", *held] for x in ("-i", f"{n}={out}/views/{{view}}/{n}.png")],
+                           "-p", f"{held[0]}={room}/held-out/{held[0]}.png", *[x for n in held[1:] for x in ("--held-out", f"{n}={room}/held-out/{n}.png")],
                            "-m", f"{out}/masks/{{view}}.png", "-w", arguments.width, "--name", "rig", "-o", out / "capture")
     if status:
         raise SystemExit("; ".join(said))
@@ -218,7 +222,7 @@ def quality(capture, truth):
 
 
 def with_true_masks(photographs, out, angles, truth):
-    status, said = take(photographs, out, angles, "-m", f"{room}/masks/{{view}}.png")
+    status, said = take(photographs, out, angles, "-m", f"{room}/masks/view-{{view}}.png")
     if status:
         raise SystemExit("; ".join(said))
     return masks_of(out), quality(out, truth)[0]

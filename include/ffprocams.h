@@ -786,12 +786,11 @@ typedef struct FfpGeneration {
     const char *photographs;
     int attitudes; // of the chessboard, at most 64; 0: no chessboard
     // One folder of the photographs, the same as among all of them: view-DDD (DDD being one of `views` even
-    // angles in degrees), attitude-NN, turntable or empty. NULL: all. Not in a
-    // room.
+    // angles in degrees), attitude-NN, turntable or empty. NULL: all.
     const char *only;
     // The photographs are taken in a real room, with platter, table, wall, boxes and a lamp that the seed
-    // decides, as JPEG files of this quality (1 to 100), beside the empty stage, true masks and pictures
-    // without noise (docs/design/data.md, "Rooms"). Needs `photographs`.
+    // decides, as JPEG files of this quality (1 to 100), beside two turns and two patterns that are held out
+    // and pictures without noise (docs/design/data.md, "Rooms"). Needs `photographs`.
     bool room;
     int quality;
     bool check; // generate nothing; fail with an error naming the scenes that are missing or incomplete

@@ -189,7 +189,7 @@ def generate(
             turntable under all of them, and of a chessboard, by a rig with lenses (docs/design/data.md, "Photographs").
         attitudes: number of attitudes of that chessboard, 0 to 64; None: the program's default.
         only: of those photographs only this folder (view-045, attitude-03, turntable or empty), the same as among all of them.
-        room: take those photographs in a real room that the seed decides, with the empty stage and the truth
+        room: take those photographs in a real room that the seed decides, with turns and patterns that are held out
             (docs/design/data.md, "Rooms").
         quality: of the room's JPEG files, 1 to 100; None: the program's default.
         check: generate nothing, and raise an error that names the missing or incomplete scenes.

@@ -9,7 +9,7 @@
 #include "core/image/image.h"
 #include "core/patterns/patterns.h"
 
-enum { SHOWN_MAX = 512, DIGITS_MAX = 6 };
+enum { SHOWN_MAX = 512, NUMBER_MAX = 999, DIGITS_MAX = 6 };
 
 // "002_white.png": its number, and the length of it; -1 for what is called otherwise.
 static int number_of(const char *file, size_t *digits) {
@@ -36,19 +36,20 @@ static bool add(FfpShown *shown, const char *file, FfpError *err) {
     char path[FFP_PATH_MAX];
     const int number = number_of(file, &digits);
     if (number < 0 || strcmp(file + digits, "_focus.png") == 0) return true;
-    if (number < 1 || number > SHOWN_MAX)
-        return ffp_fail(err, FFP_ERROR_FILE, shown->folder, "%.100s: the numbers are 1 to %d", file,
-                        SHOWN_MAX);
-    FfpShownPattern *pattern = &shown->patterns[number - 1];
-    if (pattern->file)
-        return ffp_fail(err, FFP_ERROR_FILE, shown->folder, "%.100s has the same number as %.100s", file,
-                        ffp_basename(pattern->file));
+    if (number < 1 || number > NUMBER_MAX || shown->n == SHOWN_MAX)
+        return ffp_fail(err, FFP_ERROR_FILE, shown->folder,
+                        "%.100s: there are at most %d pictures, and their numbers are 1 to %d", file,
+                        SHOWN_MAX, NUMBER_MAX);
     if (!ffp_join_path(path, shown->folder, file))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, shown->folder, "the path is too long");
-    pattern->name = name_of(shown->arena, file, digits);
-    pattern->file = ffp_arena_text(shown->arena, path);
-    shown->n = number > shown->n ? number : shown->n;
+    shown->patterns[shown->n++] = (FfpShownPattern){.number = number,
+                                                    .name = name_of(shown->arena, file, digits),
+                                                    .file = ffp_arena_text(shown->arena, path)};
     return true;
+}
+
+static int by_number(const void *a, const void *b) {
+    return ((const FfpShownPattern *)a)->number - ((const FfpShownPattern *)b)->number;
 }
 
 static bool list(FfpShown *shown, FfpError *err) {
@@ -62,10 +63,20 @@ static bool list(FfpShown *shown, FfpError *err) {
     if (ok && shown->n == 0)
         return ffp_fail(err, FFP_ERROR_FILE, shown->folder,
                         "no picture is called <number>_<name>.png, as those of `patterns` are");
-    for (int i = 0; ok && i < shown->n; i++)
-        ok = shown->patterns[i].file ||
-             ffp_fail(err, FFP_ERROR_FILE, shown->folder, "number %03d is missing", i + 1);
+    qsort(shown->patterns, (size_t)shown->n, sizeof *shown->patterns, by_number);
+    const FfpShownPattern *p = shown->patterns;
+    for (int i = 1; ok && i < shown->n; i++)
+        if (p[i].number == p[i - 1].number)
+            return ffp_fail(err, FFP_ERROR_FILE, shown->folder, "%.100s has the same number as %.100s",
+                            ffp_basename(p[i].file), ffp_basename(p[i - 1].file));
     return ok;
+}
+
+static bool check_numbers(FfpShown *shown, FfpError *err) {
+    for (int i = 0; i < shown->n; i++)
+        if (shown->patterns[i].number != i + 1)
+            return ffp_fail(err, FFP_ERROR_FILE, shown->folder, "number %03d is missing", i + 1);
+    return true;
 }
 
 static bool check_sizes(FfpShown *shown, FfpError *err) {
@@ -92,9 +103,7 @@ static bool check_names(FfpShown *shown, FfpError *err) {
                             "number %03d is not %s: `patterns` begins "
                             "with black and white",
                             i + 1, plain[i]);
-    int first = 2;
-    while (first < shown->n && strncmp(shown->patterns[first].name, "gray_", 5) != 0) first++;
-    shown->n_codes = shown->n - first;
+    const int first = shown->n - shown->n_codes;
     if (shown->n_codes == 0) return true;
     const int count = 2 * (ffp_gray_code_bits(shown->width) + ffp_gray_code_bits(shown->height));
     for (int i = 0; i < count || i < shown->n_codes; i++) {
@@ -109,11 +118,19 @@ static bool check_names(FfpShown *shown, FfpError *err) {
     return true;
 }
 
-bool ffp_shown_read(FfpShown *shown, const char *folder, FfpError *err) {
+bool ffp_shown_list(FfpShown *shown, const char *folder, FfpError *err) {
     *shown = (FfpShown){.arena = ffp_arena_new()};
     shown->folder = ffp_arena_text(shown->arena, folder);
     shown->patterns = ffp_arena_alloc(shown->arena, SHOWN_MAX, sizeof *shown->patterns);
-    return list(shown, err) && check_sizes(shown, err) && check_names(shown, err);
+    if (!list(shown, err) || !check_sizes(shown, err)) return false;
+    int first = 0;
+    while (first < shown->n && !ffp_shown_is_code(shown, first)) first++;
+    shown->n_codes = shown->n - first;
+    return true;
+}
+
+bool ffp_shown_read(FfpShown *shown, const char *folder, FfpError *err) {
+    return ffp_shown_list(shown, folder, err) && check_numbers(shown, err) && check_names(shown, err);
 }
 
 void ffp_shown_free(FfpShown *shown) {

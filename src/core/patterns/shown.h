@@ -2,10 +2,12 @@
 #ifndef FFP_PATTERNS_SHOWN_H
 #define FFP_PATTERNS_SHOWN_H
 
+#include <string.h>
 #include "core/base/arena.h"
 #include "core/base/error.h"
 
 typedef struct FfpShownPattern {
+    int number;       // of the file's name
     const char *name; // "lollipop_0"
     const char *file; // path of the picture that the projector showed
 } FfpShownPattern;
@@ -18,10 +20,15 @@ typedef struct FfpShown {
     FfpShownPattern *patterns; // [n] in the order in which they are shown: black, white, the others, codes
 } FfpShown;
 
-// Reads names and sizes, not pictures. The focus chart is passed over. Errors name the folder or the picture:
-// no pictures called <number>_<name>.png, a number that is missing or comes twice, black and white that are
-// not the first two, pictures of two sizes, Gray codes of another panel, incomplete or out of order.
+// Reads names and sizes, not pictures, of every <number>_<name>.png but the focus chart. Errors name the
+// folder or the picture: no such pictures, a number that comes twice, pictures of two sizes.
+bool ffp_shown_list(FfpShown *shown, const char *folder, FfpError *err);
+// The same of all that `patterns` wrote. Errors, too: a number that is missing, black and white that are not
+// the first two, Gray codes of another panel, incomplete or out of order.
 bool ffp_shown_read(FfpShown *shown, const char *folder, FfpError *err);
+static inline bool ffp_shown_is_code(const FfpShown *shown, int pattern) {
+    return strncmp(shown->patterns[pattern].name, "gray_", 5) == 0;
+}
 void ffp_shown_free(FfpShown *shown);
 
 #endif

@@ -175,7 +175,8 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_FOLDER,
      .offset = offsetof(Arguments, generation.photographs),
      .help = "write photographs instead of captures: of one object (the first, or --mesh) on a turntable "
-             "under every pattern in this folder (from `patterns`), in view-DDD/ named by angle, and of a "
+             "under every pattern in this folder (from `patterns`), in view-DDD/ named by angle, of the stage "
+             "without it, in empty/, and, if there are Gray codes, of a "
              "chessboard of 9 x 6 corners for `calibrate`, in attitude-NN/ and turntable/. Camera and "
              "projector have lens distortion. Photographs are numbered like their patterns. truth.json holds "
              "the true calibration. --resolution sets their height (480), --views the number of stops"},
@@ -190,7 +191,6 @@ static const FfpOption options[] = {
      .needs = "photographs",
      .argument = "NAME",
      .type = FFP_OPTION_TEXT,
-     .excludes = "room",
      .offset = offsetof(Arguments, generation.only),
      .help = "with --photographs: only this folder of them, view-DDD, attitude-NN, turntable or empty, the "
              "same as "
@@ -201,11 +201,9 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, generation.room),
      .help =
          "with --photographs: in a real room, with platter, table, wall, boxes in the projector's light, "
-         "bounced light and a weak lamp, all of them decided by --seed. Photographs are "
-         "photographs/VIEW/NAME.JPG, VIEW being a stop's angle, new22 or new157; empty/ shows the stage "
-         "without the object; truth/, masks/, calibration.xml and axis.json are the truth; two patterns are "
-         "added and held out. The room's devices have their own imperfections, which --sensor replaces. The "
-         "chessboard is photographed if the patterns contain Gray codes"},
+         "bounced light and a weak lamp, all of them decided by --seed. Two turns between the stops are "
+         "added, view-022 and view-157, and two patterns, in held-out/; truth/ has the photographs without "
+         "noise. The room's devices have their own imperfections, which --sensor replaces"},
     {.name = "quality",
      .needs = "room",
      .argument = "Q",

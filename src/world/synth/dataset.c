@@ -14,7 +14,6 @@
 #include "world/synth/natural.h"
 #include "world/synth/photographs.h"
 #include "world/synth/picture_folder.h"
-#include "world/synth/room_photographs.h"
 #include "world/synth/sensor.h"
 #include "world/synth/texture.h"
 #include "world/synth/trace.h"
@@ -283,13 +282,9 @@ static bool open_assets(Job *job, FfpError *err) {
 
 static bool photograph_dressed(const Job *job, const FfpSceneSpec *spec, FfpError *err) {
     const FfpDatasetSettings *options = job->options;
-    if (options->room) {
-        const FfpRoomPhotographs room = {options->folder, options->photographs, options->seed,
-                                         options->attitudes, options->quality};
-        return ffp_room_photographs_write(&room, spec, err);
-    }
     const FfpPhotographs photographs = {options->folder, options->photographs, options->attitudes,
-                                        options->only};
+                                        options->only,   options->room,        options->seed,
+                                        options->quality};
     return ffp_photographs_write(&photographs, spec, err);
 }
 
@@ -321,8 +316,8 @@ static bool open_job(Job *job, int64_t *count, FfpError *err) {
     if (!job->options->folder) return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "no output folder given");
     if (job->options->room && !job->options->photographs)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "room", "requires the patterns of `photographs`");
-    if (job->options->only && (!job->options->photographs || job->options->room))
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "only", "requires `photographs`, and no room");
+    if (job->options->only && !job->options->photographs)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "only", "requires `photographs`");
     if (job->options->patterns && job->options->photographs)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "patterns", "photographs show those of `photographs`");
     return preset_spec(job->options, &job->spec, err) && choose_scenes(job->options, count, err) &&

@@ -38,7 +38,7 @@ typedef struct FfpDatasetSettings {
     const char *photographs; // folder of patterns: one object before a bare rig (photographs.h); NULL: scenes
     int attitudes;           // of its chessboard
     const char *only;        // one of the folders of its photographs; NULL: all
-    bool room;               // the rig stands in a room (room_photographs.h), with photographs only
+    bool room;               // the rig stands in a room (photographs.h), with photographs only
     int quality;             // of the room's JPEG files
 } FfpDatasetSettings;
 

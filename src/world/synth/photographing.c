@@ -1,12 +1,283 @@
+// Takes the photographs: patterns sent out, subjects simulated under them, pictures written.
 #include "world/synth/photographing.h"
 #include <math.h>
-#include "core/base/alloc.h"
+#include <stdio.h>
+#include <string.h>
 #include "core/base/call.h"
+#include "core/base/log.h"
+#include "world/shapes/noise.h"
+#include "world/synth/natural.h"
+#include "world/synth/sensor.h"
+#include "world/synth/simulate.h"
 
 // Patterns at a time: eight, or as many as ROOM holds of their and the pictures' pixels, four bytes for every
 // colour.
-enum { BATCH_LEAST = 8, BATCH_MOST = 64, HEIGHT_MIN = 64 };
+enum { BATCH_LEAST = 8, BATCH_MOST = 64, NAME = 96 };
 #define ROOM 128e6 // bytes
+
+// --- Patterns. ---
+
+static const int held_out_kinds[] = {2, 4}; // of natural.h
+
+static bool is_held_out(const FfpPhotographing *job, int pattern) {
+    return pattern >= job->shown.n;
+}
+
+static const char *held_out_name(const FfpPhotographing *job, int pattern) {
+    return ffp_natural_name(held_out_kinds[pattern - job->shown.n]);
+}
+
+static bool pattern_path(const FfpPhotographing *job, int pattern, char path[FFP_PATH_MAX], FfpError *err) {
+    char name[NAME];
+    if (!is_held_out(job, pattern)) {
+        snprintf(path, FFP_PATH_MAX, "%s", job->shown.patterns[pattern].file);
+        return true;
+    }
+    snprintf(name, sizeof name, "held-out/%s.png", held_out_name(job, pattern));
+    return ffp_photographing_path(job, name, path, err);
+}
+
+static bool draw_held_out(const FfpPhotographing *job, int pattern, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    if (!pattern_path(job, pattern, path, err)) return false;
+    FfpImage image = ffp_natural_pattern(job->shown.width, job->shown.height,
+                                         held_out_kinds[pattern - job->shown.n], job->options->seed);
+    ffp_image_to_srgb(&image);
+    const bool ok = ffp_image_write_png(&image, path, err);
+    ffp_image_free(&image);
+    return ok;
+}
+
+// What the projector sends out for a pattern, linear; a new image.
+static bool emit(const FfpPhotographing *job, int pattern, FfpImage *emitted, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    if (!pattern_path(job, pattern, path, err) || !ffp_image_read_over_black(emitted, NULL, path, err))
+        return false;
+    if (!ffp_sensor_changes_light(&job->sensor)) return true;
+    FfpImage sent = *emitted;
+    *emitted = ffp_sensor_emit(&sent, &job->sensor);
+    ffp_image_free(&sent);
+    return true;
+}
+
+// --- Which pictures, and what they are called. ---
+
+static bool is_code(const FfpPhotographing *job, int pattern) {
+    return !is_held_out(job, pattern) && ffp_shown_is_code(&job->shown, pattern);
+}
+
+static bool is_called(const FfpPhotographing *job, int pattern, const char *name) {
+    return !is_held_out(job, pattern) && strcmp(job->shown.patterns[pattern].name, name) == 0;
+}
+
+static bool is_wanted(const FfpPhotographing *job, const FfpSubject *subject, int pattern) {
+    switch (subject->kind) {
+    case FFP_SUBJECT_STOP:
+        return true;
+    case FFP_SUBJECT_BETWEEN:
+        return !is_code(job, pattern);
+    case FFP_SUBJECT_EMPTY:
+        return !is_code(job, pattern) && !is_held_out(job, pattern);
+    case FFP_SUBJECT_ATTITUDE:
+        return is_code(job, pattern) || is_called(job, pattern, "black") || is_called(job, pattern, "white");
+    default:
+        return is_called(job, pattern, "white");
+    }
+}
+
+static bool has_truth(const FfpPhotographing *job, const FfpSubject *subject, int pattern) {
+    return job->options->room && subject->kind <= FFP_SUBJECT_BETWEEN && !is_code(job, pattern);
+}
+
+// "view-045/002.JPG", "held-out/view-045/map.JPG" or "turntable/03.JPG", below `top`.
+static bool picture_path(const FfpPhotographing *job, const FfpSubject *subject, int pattern, const char *top,
+                         const char *ending, char path[FFP_PATH_MAX], FfpError *err) {
+    char name[NAME];
+    const bool board = subject->kind == FFP_SUBJECT_TURNTABLE;
+    if (is_held_out(job, pattern))
+        snprintf(name, sizeof name, "%sheld-out/%s/%s.%s", top, subject->name, held_out_name(job, pattern),
+                 ending);
+    else
+        snprintf(name, sizeof name, "%s%s/%0*d.%s", top, subject->name, board ? 2 : 3,
+                 board ? subject->stop : job->shown.patterns[pattern].number, ending);
+    return ffp_photographing_path(job, name, path, err);
+}
+
+static bool make_folder(const FfpPhotographing *job, const FfpSubject *subject, int pattern, const char *top,
+                        FfpError *err) {
+    char path[FFP_PATH_MAX];
+    if (!picture_path(job, subject, pattern, top, "", path, err)) return false;
+    *strrchr(path, '/') = 0;
+    return ffp_make_folders(path, err);
+}
+
+static bool make_folders(const FfpPhotographing *job, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    bool ok = ffp_photographing_path(job, "masks", path, err) && ffp_make_folders(path, err);
+    for (int s = 0; s < job->n_subjects; s++)
+        for (int p = 0; ok && p < job->n_patterns; p++) {
+            const FfpSubject *subject = &job->subjects[s];
+            if (!is_wanted(job, subject, p)) continue;
+            ok = make_folder(job, subject, p, "", err) &&
+                 (!has_truth(job, subject, p) || make_folder(job, subject, p, "truth/", err));
+        }
+    return ok;
+}
+
+// --- Pictures. ---
+
+// What the light of a picture makes of its noise; no two pictures have the same.
+static uint32_t key_of(const FfpPhotographing *job, const FfpSubject *subject, int pattern) {
+    const uint64_t seed = job->options->seed;
+    if (!job->options->room)
+        return (subject->stream * FFP_PATTERNS_MAX + (uint32_t)pattern) ^ (uint32_t)job->spec->seed;
+    return ffp_hash32(
+        (uint32_t)seed ^
+        ffp_hash32((uint32_t)(seed >> 32) ^ ffp_hash32(subject->stream * 4096 + (uint32_t)pattern + 1)));
+}
+
+static bool write_truth(const FfpPhotographing *job, const FfpSubject *subject, int pattern,
+                        const FfpImage *light, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    if (!picture_path(job, subject, pattern, "truth/", "png", path, err)) return false;
+    FfpImage seen = ffp_image_copy(light);
+    ffp_image_to_srgb(&seen);
+    const bool ok = ffp_image_write_png(&seen, path, err);
+    ffp_image_free(&seen);
+    return ok;
+}
+
+// Of a room, the picture is light; otherwise it has its noise.
+static bool write_picture(const FfpPhotographing *job, const FfpSubject *subject, int pattern,
+                          FfpImage *picture, FfpError *err) {
+    const bool room = job->options->room;
+    char path[FFP_PATH_MAX];
+    if (!picture_path(job, subject, pattern, "", room ? "JPG" : "png", path, err)) return false;
+    if (room) {
+        if (job->room.camera_defocus > 0) ffp_image_blur(picture, (real)job->room.camera_defocus);
+        if (has_truth(job, subject, pattern) && !write_truth(job, subject, pattern, picture, err))
+            return false;
+        ffp_sensor_expose(picture, &job->sensor, key_of(job, subject, pattern));
+    }
+    ffp_image_to_srgb(picture);
+    return room ? ffp_image_write_jpeg(picture, job->options->quality, path, err)
+                : ffp_image_write_png(picture, path, err);
+}
+
+typedef struct Writing {
+    const FfpPhotographing *job;
+    const FfpSubject *subject;
+    int first;
+    const FfpView *view;
+    FfpError *errors; // of every picture
+} Writing;
+
+static void write_one(void *argument, int64_t index) {
+    const Writing *w = argument;
+    const int pattern = w->first + (int)index;
+    if (is_wanted(w->job, w->subject, pattern))
+        write_picture(w->job, w->subject, pattern, &w->view->images[index], &w->errors[index]);
+}
+
+// The wanted ones among the view's pictures, on all threads. Error: the first picture's that has one.
+static bool write_pictures(const FfpPhotographing *job, const FfpSubject *subject, const FfpView *view,
+                           int first, int count, FfpError *err) {
+    FfpError *errors = ffp_alloc((size_t)count, sizeof *errors);
+    int good = 0;
+    ffp_parallel_for(count, 0, write_one, &(Writing){job, subject, first, view, errors});
+    while (good < count && errors[good].code == FFP_OK) good++;
+    if (good < count && err) *err = errors[good];
+    ffp_free(errors);
+    return good == count;
+}
+
+// What of the pixels the object fills, as somebody who cuts it out by hand would have it.
+static bool write_mask(const FfpPhotographing *job, const FfpSubject *subject, const FfpView *view,
+                       FfpError *err) {
+    char name[NAME], path[FFP_PATH_MAX];
+    snprintf(name, sizeof name, "masks/%s.png", subject->name);
+    return ffp_photographing_path(job, name, path, err) && ffp_image_write_png(&view->coverage, path, err);
+}
+
+// --- Subjects under patterns. ---
+
+// How much light the camera takes: of a board in a room half as much, so that its paper is not clipped.
+static float exposure_of(const FfpPhotographing *job, const FfpSubject *subject) {
+    return exp2f(job->sensor.exposure) * (job->options->room && ffp_subject_is_board(subject) ? 0.5F : 1);
+}
+
+// `around`: NULL without a room.
+static bool simulate(const FfpPhotographing *job, const FfpSubject *subject, const FfpMesh *mesh,
+                     const FfpSurroundings *around, const FfpLight *light, int first, FfpView *view,
+                     FfpError *err) {
+    const FfpSceneSpec *spec = job->spec;
+    const float gain = exposure_of(job, subject), intensity = gain * job->room.rig.intensity;
+    FfpTracer *tracer = ffp_tracer_new(mesh, err);
+    if (!tracer) return false;
+    const FfpSimulation simulation = {.tracer = tracer,
+                                      .mesh = mesh,
+                                      .material = &job->material,
+                                      .textures = spec->own_textures,
+                                      .board = ffp_subject_is_board(subject) ? &subject->board : NULL,
+                                      .around = around,
+                                      .light = light,
+                                      .intensity = {intensity, intensity, intensity},
+                                      .ambient = around ? 0 : gain * job->room.rig.ambient,
+                                      .samples = spec->samples,
+                                      .ambient_rays = spec->ambient_rays,
+                                      .shot = around ? 0 : job->sensor.shot,
+                                      .read = around ? 0 : job->sensor.read,
+                                      .camera_lens = job->room.rig.camera_lens,
+                                      .projector_lens = job->room.rig.projector_lens,
+                                      .photograph = true,
+                                      .light_only = around != NULL,
+                                      .first_pattern = first,
+                                      .seed = around ? job->options->seed : spec->seed};
+    ffp_simulate_view(&simulation, view, subject->stream, NULL);
+    ffp_tracer_free(tracer);
+    return true;
+}
+
+// Nothing stands before the rig, and nothing is around it: the dark, and the camera's noise.
+static void see_nothing(const FfpPhotographing *job, const FfpSubject *subject, int first, int count,
+                        FfpView *view) {
+    view->images = ffp_alloc((size_t)count, sizeof *view->images);
+    for (int i = 0; i < count; i++) {
+        view->images[i] = ffp_image_new(view->camera.width, view->camera.height, 3);
+        ffp_sensor_expose(&view->images[i], &job->sensor, key_of(job, subject, first + i));
+    }
+}
+
+// The subject under the patterns of a batch.
+static bool photograph(const FfpPhotographing *job, const FfpSubject *subject, const FfpLight *light,
+                       int first, FfpError *err) {
+    const int count = light->n_patterns;
+    const bool room = job->options->room, of_object = subject->kind <= FFP_SUBJECT_BETWEEN;
+    FfpMesh board = {0};
+    FfpSurroundings around = {0};
+    FfpView view = {0};
+    bool ok = true;
+    if (ffp_subject_is_board(subject)) board = ffp_chessboard_mesh(&subject->board);
+    const FfpMesh *mesh = of_object ? job->mesh : ffp_subject_is_board(subject) ? &board : NULL;
+    ffp_bare_rig_devices(&job->room.rig, subject->angle, &view.camera, &view.projector);
+    if (room) {
+        around = ffp_around_new(&job->room, mesh, subject->angle);
+        around.lamp.radiance *= exposure_of(job, subject);
+        mesh = &around.mesh;
+    }
+    if (mesh)
+        ok = simulate(job, subject, mesh, room ? &around : NULL, light, first, &view, err);
+    else
+        see_nothing(job, subject, first, count, &view);
+    ok = ok && write_pictures(job, subject, &view, first, count, err) &&
+         (first > 0 || !of_object || write_mask(job, subject, &view, err));
+    if (view.images) ffp_view_free(&view, count);
+    if (room) ffp_around_free(&around);
+    ffp_mesh_free(&board);
+    return ok;
+}
+
+// --- All of them. ---
 
 static int batch_of(const FfpBareRig *rig) {
     const FfpCamera *devices[2] = {&rig->camera, &rig->projector};
@@ -15,9 +286,9 @@ static int batch_of(const FfpBareRig *rig) {
     return (int)fmax(BATCH_LEAST, fmin(BATCH_MOST, ROOM / bytes));
 }
 
-static int count_wanted(const FfpPhotographing *run, int subject, int first, int count) {
+static int count_wanted(const FfpPhotographing *job, int subject, int first, int count) {
     int wanted = 0;
-    for (int p = first; p < first + count; p++) wanted += run->is_wanted(run->job, subject, p);
+    for (int p = first; p < first + count; p++) wanted += is_wanted(job, &job->subjects[subject], p);
     return wanted;
 }
 
@@ -26,23 +297,23 @@ typedef struct Progress {
     int64_t done;
 } Progress;
 
-static bool photograph_batch(const FfpPhotographing *run, Progress *progress, int first, int count,
+static bool photograph_batch(const FfpPhotographing *job, Progress *progress, int first, int count,
                              FfpError *err) {
     FfpImage emitted[BATCH_MOST] = {0};
     const FfpImage *images[BATCH_MOST];
     bool ok = true;
     for (int i = 0; ok && i < count; i++) {
-        ok = run->emit(run->job, first + i, &emitted[i], err);
+        ok = emit(job, first + i, &emitted[i], err);
         images[i] = &emitted[i];
     }
     if (ok) {
         FfpLight light = ffp_light_new(images, count);
-        for (int s = 0; ok && s < run->n_subjects; s++) {
-            const int wanted = count_wanted(run, s, first, count);
+        for (int s = 0; ok && s < job->n_subjects; s++) {
+            const int wanted = count_wanted(job, s, first, count);
             if (wanted == 0) continue;
-            ok = run->photograph(run->job, s, &light, first, err);
+            ok = photograph(job, &job->subjects[s], &light, first, err);
             progress->done += wanted;
-            ffp_task_step(&progress->task, progress->done, run->name_of(run->job, s));
+            ffp_task_step(&progress->task, progress->done, job->subjects[s].name);
         }
         ffp_light_free(&light);
     }
@@ -50,57 +321,24 @@ static bool photograph_batch(const FfpPhotographing *run, Progress *progress, in
     return ok;
 }
 
-int64_t ffp_photographing_run(const FfpPhotographing *run, FfpError *err) {
-    const int batch = batch_of(run->rig);
+static bool draw_all_held_out(const FfpPhotographing *job, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    bool ok = job->n_patterns == job->shown.n ||
+              (ffp_photographing_path(job, "held-out", path, err) && ffp_make_folders(path, err));
+    for (int p = job->shown.n; ok && p < job->n_patterns; p++) ok = draw_held_out(job, p, err);
+    return ok;
+}
+
+int64_t ffp_photographing_run(const FfpPhotographing *job, FfpError *err) {
+    const int batch = batch_of(&job->room.rig);
     int64_t all = 0;
-    for (int s = 0; s < run->n_subjects; s++) all += count_wanted(run, s, 0, run->n_patterns);
+    for (int s = 0; s < job->n_subjects; s++) all += count_wanted(job, s, 0, job->n_patterns);
+    bool ok = draw_all_held_out(job, err) && make_folders(job, err);
     Progress progress = {.task = ffp_task("photographing", all)};
-    bool ok = true;
-    for (int first = 0; ok && first < run->n_patterns; first += batch) {
-        const int left = run->n_patterns - first;
-        ok = photograph_batch(run, &progress, first, left < batch ? left : batch, err);
+    for (int first = 0; ok && first < job->n_patterns; first += batch) {
+        const int left = job->n_patterns - first;
+        ok = photograph_batch(job, &progress, first, left < batch ? left : batch, err);
     }
     ffp_task_end(&progress.task);
     return ok ? all : -1;
-}
-
-typedef struct Developing {
-    const FfpPhotographing *run;
-    int subject, first;
-    const FfpView *view;
-    FfpError *errors; // of every picture
-} Developing;
-
-static void develop(void *argument, int64_t index) {
-    const Developing *d = argument;
-    const int pattern = d->first + (int)index;
-    if (d->run->is_wanted(d->run->job, d->subject, pattern))
-        d->run->write(d->run->job, d->subject, pattern, &d->view->images[index], &d->errors[index]);
-}
-
-bool ffp_photographing_develop(const FfpPhotographing *run, int subject, const FfpView *view, int first,
-                               int count, FfpError *err) {
-    FfpError *errors = ffp_alloc((size_t)count, sizeof *errors);
-    int good = 0;
-    ffp_parallel_for(count, 0, develop, &(Developing){run, subject, first, view, errors});
-    while (good < count && errors[good].code == FFP_OK) good++;
-    if (good < count && err) *err = errors[good];
-    ffp_free(errors);
-    return good == count;
-}
-
-bool ffp_photographing_check(const FfpSceneSpec *spec, int attitudes, FfpError *err) {
-    if (spec->sensor.turn_error > 0 || spec->sensor.shift_error > 0)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor",
-                        "turn_error and shift_error are of written poses: photographs have none");
-    if (spec->resolution < HEIGHT_MIN || spec->resolution > 4096)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "resolution", "%d is not in %d..4096", spec->resolution,
-                        HEIGHT_MIN);
-    return (attitudes >= 0 && attitudes <= 64) ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, "attitudes", "%d are not in 0..64", attitudes);
-}
-
-bool ffp_photographing_path(const char *folder, const char *name, char path[FFP_PATH_MAX], FfpError *err) {
-    return ffp_join_path(path, folder, name) ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, folder, "the path is too long");
 }

@@ -1,38 +1,56 @@
-// Photographs of several subjects under many patterns: what photographs.c and room_photographs.c share.
+// What the files of photographs.h share: a rig, what stands before it in turn, and what is shown to it.
 #ifndef FFP_SYNTH_PHOTOGRAPHING_H
 #define FFP_SYNTH_PHOTOGRAPHING_H
 
 #include "core/base/file.h"
-#include "core/base/log.h"
-#include "world/synth/bare_rig.h"
-#include "world/synth/simulate.h"
-#include "world/synth/synth.h"
+#include "core/patterns/shown.h"
+#include "world/synth/photographs.h"
+#include "world/synth/room.h"
 
-// Patterns come in batches: each is sent out once, and lights all subjects with one set of rays.
+typedef enum FfpSubjectKind {
+    FFP_SUBJECT_STOP,
+    FFP_SUBJECT_BETWEEN, // two stops
+    FFP_SUBJECT_EMPTY,
+    FFP_SUBJECT_ATTITUDE,
+    FFP_SUBJECT_TURNTABLE // the board on it
+} FfpSubjectKind;
+
+typedef struct FfpSubject {
+    FfpSubjectKind kind;
+    char name[32];   // of its folder
+    uint32_t stream; // by which rays and noise are drawn, whichever subjects there are
+    double angle;    // by which the turntable has turned
+    int stop;        // of the board on it: the number of its one photograph
+    FfpChessboard board;
+} FfpSubject;
+
 typedef struct FfpPhotographing {
-    void *job;             // first argument of all functions
-    const FfpBareRig *rig; // its devices' sizes
-    int n_patterns, n_subjects;
-    const char *(*name_of)(const void *job, int subject);
-    bool (*is_wanted)(const void *job, int subject, int pattern);
-    // What the projector sends out, linear; a new image.
-    bool (*emit)(const void *job, int pattern, FfpImage *emitted, FfpError *err);
-    // The subject under the light's patterns, which begin with `first`: simulates it and develops the view.
-    bool (*photograph)(void *job, int subject, const FfpLight *light, int first, FfpError *err);
-    // Writes a picture, which it may change; on any thread.
-    bool (*write)(const void *job, int subject, int pattern, FfpImage *picture, FfpError *err);
+    const FfpPhotographs *options;
+    const FfpSceneSpec *spec;
+    FfpSensor sensor;
+    const FfpMesh *mesh;
+    FfpMaterial material;
+    FfpRoom room; // its rig alone, where there is no room
+    FfpShown shown;
+    int n_patterns; // that are shown, and behind them those that are held out
+    int n_subjects;
+    FfpSubject *subjects;
+    const char *folder; // being written
 } FfpPhotographing;
 
-// All that is wanted; their number, or -1.
-int64_t ffp_photographing_run(const FfpPhotographing *run, FfpError *err);
-// Writes the wanted ones among the view's first `count` pictures, on all threads. Error: the first picture's
-// that has one.
-bool ffp_photographing_develop(const FfpPhotographing *run, int subject, const FfpView *view, int first,
-                               int count, FfpError *err);
-// Errors of what is asked for: `sensor` has faults of poses, which photographs do not have; `resolution` or
-// `attitudes` is out of range.
-bool ffp_photographing_check(const FfpSceneSpec *spec, int attitudes, FfpError *err);
-// The path of a name in a folder.
-bool ffp_photographing_path(const char *folder, const char *name, char path[FFP_PATH_MAX], FfpError *err);
+static inline bool ffp_subject_is_board(const FfpSubject *subject) {
+    return subject->kind >= FFP_SUBJECT_ATTITUDE;
+}
+// The path of a name in the folder.
+static inline bool ffp_photographing_path(const FfpPhotographing *job, const char *name,
+                                          char path[FFP_PATH_MAX], FfpError *err) {
+    return ffp_join_path(path, job->folder, name) ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, job->folder, "the path is too long");
+}
+// Draws the patterns that are held out, and takes all photographs; their number, or -1. Patterns come in
+// batches: each is sent out once, and lights all subjects with one set of rays.
+int64_t ffp_photographing_run(const FfpPhotographing *job, FfpError *err);
+// truth.json
+bool ffp_photographing_truth(const FfpPhotographing *job, FfpError *err);
 
 #endif

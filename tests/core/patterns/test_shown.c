@@ -40,7 +40,7 @@ static void what_is_refused(void **state) {
         {"rm *.png", "no picture is called <number>_<name>.png"},
         {"rm 003_*", "number 003 is missing"},
         {"cp 003_lollipop_0.png 003_other.png", "has the same number as"},
-        {"mv 003_lollipop_0.png 000_lollipop_0.png", "the numbers are 1 to 512"},
+        {"mv 003_lollipop_0.png 000_lollipop_0.png", "their numbers are 1 to 999"},
         {"mv 001_black.png x && mv 002_white.png 001_white.png && mv x 002_black.png",
          "number 001 is not black"},
         {"mv 004_gray_x_00.png x && mv 006_gray_x_01.png 004_gray_x_01.png && mv x 006_gray_x_00.png",

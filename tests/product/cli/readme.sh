@@ -70,15 +70,11 @@ for block in blocks/*; do
 done
 # How well own-rig's chain does in its room: turns that were not photographed, against pictures without noise, by true masks.
 [ "$without" = own-rig.md ] || {
-    mkdir -p truth/masks truth/views
-    for turn in 022:new22 157:new157; do
-        ln -s "$work/out/shots/truth/${turn#*:}" "truth/views/${turn%:*}"
-        cp "out/shots/masks/${turn#*:}.png" "truth/masks/${turn%:*}.png"
-    done
-    patterns=out/shots/patterns
+    shots=out/shots
     build/ffprocams import -c out/calibration.xml -t out/axis.json --angles 22,157 --name object -w 128 -o truth/capture \
-        -i 'black,white,photograph,map=truth/views/{view}/{pattern}.png' -m 'truth/masks/{view}.png' \
-        -p "photograph=$patterns/photograph.png" --held-out "map=$patterns/map.png" >log 2>&1 || { cat log >&2; fail "no truth"; }
+        -i "black,white=$shots/truth/view-{view}/00[12].png" -i "photograph,map=$shots/truth/held-out/view-{view}/{pattern}.png" \
+        -m "$shots/masks/view-{view}.png" -p "photograph=$shots/held-out/photograph.png" --held-out "map=$shots/held-out/map.png" \
+        >log 2>&1 || { cat log >&2; fail "no truth"; }
     build/ffprocams evaluate out/object --gaussians out/object.ply --targets truth/capture/scene.json --json scores.json >log 2>&1 ||
         { cat log >&2; fail "the chain's result cannot be evaluated"; }
     python3 - <<'END' || fail "own-rig's chain: the object is too unlike the truth at new turns"

@@ -13,14 +13,11 @@ static int setup(void **state) {
 
 // The options that import a room's stops, all but the masks and the output.
 static void import_line(char line[2000], const char *room) {
-    snprintf(
-        line, 2000,
-        "import -c %s/%s/calibration.xml -t %s/%s/axis.json -i 'black=%s/%s/photographs/{view}/black.JPG' "
-        "-i 'white=%s/%s/photographs/{view}/white.JPG' "
-        "-i 'lollipop_0=%s/%s/photographs/{view}/lollipop_0.JPG' -p lollipop_0=%s/%s/patterns/lollipop_0.png "
-        "-i 'map=%s/%s/truth/{view}/map.png' --held-out map=%s/%s/patterns/map.png --name room",
-        scratch, room, scratch, room, scratch, room, scratch, room, scratch, room, scratch, room, scratch,
-        room, scratch, room);
+    snprintf(line, 2000,
+             "import -c %s/%s/truth.json -t %s/%s/truth.json --shown %s/patterns "
+             "-i '%s/%s/view-{view}/*.JPG' -i 'map=%s/%s/truth/held-out/view-{view}/map.png' "
+             "--held-out map=%s/%s/held-out/map.png --name room",
+             scratch, room, scratch, room, scratch, scratch, room, scratch, room, scratch, room);
 }
 
 static void a_room_is_imported_as_it_stands(void **state) {
@@ -36,7 +33,7 @@ static void a_room_is_imported_as_it_stands(void **state) {
         0);
     import_line(line, "room");
     assert_int_equal(
-        run_format(&run, "%s -m '%s/room/masks/{view}.png' -o %s/capture", line, scratch, scratch), 0);
+        run_format(&run, "%s -m '%s/room/masks/view-{view}.png' -o %s/capture", line, scratch, scratch), 0);
     if (!ffp_capture_read(&capture, in_scratch("capture"), &err)) fail_msg("%s", err.text);
     assert_int_equal(capture.n_views, 3);
     assert_int_equal(capture.n_patterns, 4);
@@ -68,7 +65,7 @@ static void masks_that_hold_the_room_are_told(void **state) {
                    scratch, scratch),
         0);
     import_line(line, "stops");
-    snprintf(masks, sizeof masks, "-m '%s/stops/masks/{view}.png'", scratch);
+    snprintf(masks, sizeof masks, "-m '%s/stops/masks/view-{view}.png'", scratch);
     import_masked(&truth, line, "truth", masks);
     import_masked(&made, line, "made", "");
     assert_non_null(strstr(run.err, "lit background"));

@@ -255,10 +255,10 @@ static void what_is_no_set_of_patterns_is_refused(void **state) {
     refused("nowhere", &spec, "cannot read the patterns' folder");
     path_of(path, "empty");
     assert_true(ffp_make_folders(path, &err));
-    refused("empty", &spec, "no pattern is called");
+    refused("empty", &spec, "no picture is called");
     copy_file("patterns/002_white.png", "empty/003_white.png");
     copy_file("patterns/001_black.png", "empty/003_black.png");
-    refused("empty", &spec, "003_black.png and 003_white.png have the same number");
+    refused("empty", &spec, "has the same number as 003_");
     path_of(path, "mixed");
     assert_true(ffp_make_folders(path, &err));
     copy_file("patterns/002_white.png", "mixed/003_white.png");

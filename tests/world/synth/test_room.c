@@ -8,8 +8,8 @@
 #include "core/patterns/patterns.h"
 #include "support.h"
 #include "world/shapes/solids.h"
+#include "world/synth/photographs.h"
 #include "world/synth/room.h"
-#include "world/synth/room_photographs.h"
 #include "world/synth/simulate.h"
 
 enum { SIDE = 24, HEIGHT = 64, PANEL_WIDTH = 96, PANEL_HEIGHT = 64 };
@@ -286,8 +286,9 @@ static void draw_patterns(const char *name, bool codes) {
 static bool photograph(const char *to, const char *patterns, const FfpSceneSpec *spec, FfpError *err) {
     char folder[FFP_PATH_MAX], from[FFP_PATH_MAX];
     path_of(folder, to), path_of(from, patterns);
-    const FfpRoomPhotographs options = {folder, from, 6, 1, 92};
-    return ffp_room_photographs_write(&options, spec, err);
+    const FfpPhotographs options = {
+        .folder = folder, .patterns = from, .attitudes = 1, .room = true, .seed = 6, .quality = 92};
+    return ffp_photographs_write(&options, spec, err);
 }
 
 static void read_bytes(const char *folder, const char *name, char **data, size_t *size) {
@@ -310,22 +311,12 @@ static int count_files(const char *name) {
 
 static void everything_is_written_once(void **state) {
     (void)state;
-    static const char *const names[] = {"photographs/000/white.JPG",
-                                        "photographs/new22/map.JPG",
-                                        "photographs/new157/black.JPG",
-                                        "truth/000/lollipop_0.png",
-                                        "truth/new22/photograph.png",
-                                        "empty/white.JPG",
-                                        "empty/gray_x_00_inverse.JPG",
-                                        "graycode/000/gray_y_05.JPG",
-                                        "masks/000.png",
-                                        "masks/new157.png",
-                                        "patterns/map.png",
-                                        "patterns/graycode/gray_x_00.png",
-                                        "attitude-00/002.JPG",
-                                        "turntable/04.JPG",
-                                        "calibration.xml",
-                                        "true_axis.json"};
+    static const char *const names[] = {"view-000/002.JPG",       "view-157/001.JPG",
+                                        "held-out/map.png",       "held-out/view-022/map.JPG",
+                                        "truth/view-000/003.png", "truth/held-out/view-022/photograph.png",
+                                        "empty/002.JPG",          "masks/view-000.png",
+                                        "masks/view-157.png",     "attitude-00/002.JPG",
+                                        "turntable/04.JPG",       "truth.json"};
     FfpError err = {0};
     const FfpSceneSpec spec = small_spec();
     draw_patterns("coded", true);
@@ -338,19 +329,19 @@ static void everything_is_written_once(void **state) {
         ffp_free(data);
     }
     const int codes = 2 * (ffp_gray_code_bits(PANEL_WIDTH) + ffp_gray_code_bits(PANEL_HEIGHT));
-    assert_int_equal(count_files("whole/photographs/000"), 5); // black, white, lollipop_0, two held out
-    assert_int_equal(count_files("whole/photographs/new22"), 5);
-    assert_int_equal(count_files("whole/graycode"), 1);
-    assert_int_equal(count_files("whole/graycode/000"), codes);
-    assert_int_equal(count_files("whole/empty"), 3 + codes);
+    assert_int_equal(count_files("whole/view-000"), 3 + codes);
+    assert_int_equal(count_files("whole/held-out/view-000"), 2);
+    assert_int_equal(count_files("whole/view-022"), 3);
+    assert_int_equal(count_files("whole/truth/view-000"), 3);
+    assert_int_equal(count_files("whole/empty"), 3);
     assert_int_equal(count_files("whole/attitude-00"), 2 + codes);
     assert_int_equal(count_files("whole/masks"), 3);
 }
 
 static void any_number_of_threads_gives_the_same_bits(void **state) {
     (void)state;
-    static const char *const names[] = {"photographs/000/lollipop_0.JPG", "photographs/new22/white.JPG",
-                                        "empty/black.JPG", "truth/000/map.png", "masks/000.png"};
+    static const char *const names[] = {"view-000/003.JPG", "view-022/002.JPG", "empty/001.JPG",
+                                        "truth/held-out/view-000/map.png", "masks/view-000.png"};
     static const char *const folders[] = {"one", "three"};
     FfpError err = {0};
     const FfpSceneSpec spec = small_spec();
@@ -384,8 +375,8 @@ static FfpImage picture(const char *name) {
 // The stage is the same with and without the object, but for the object itself and the shadow it throws.
 static void the_empty_stage_is_the_same_room(void **state) {
     (void)state;
-    FfpImage full = picture("one/photographs/000/white.JPG"), empty = picture("one/empty/white.JPG"),
-             mask = picture("one/masks/000.png");
+    FfpImage full = picture("one/view-000/002.JPG"), empty = picture("one/empty/002.JPG"),
+             mask = picture("one/masks/view-000.png");
     int same = 0, shadow = 0, brighter = 0, stage = 0, object = 0;
     for (int i = 0; i < full.width * full.height; i++) {
         const real with = full.data[4 * i + 1], without = empty.data[4 * i + 1];
@@ -407,38 +398,18 @@ static void refused(const char *patterns, const FfpSceneSpec *spec, int quality,
     FfpError err = {0};
     char folder[FFP_PATH_MAX], from[FFP_PATH_MAX];
     path_of(folder, "refused"), path_of(from, patterns);
-    const FfpRoomPhotographs options = {folder, from, 6, 0, quality};
-    assert_false(ffp_room_photographs_write(&options, spec, &err));
+    const FfpPhotographs options = {
+        .folder = folder, .patterns = from, .room = true, .seed = 6, .quality = quality};
+    assert_false(ffp_photographs_write(&options, spec, &err));
     if (!strstr(err.text, text)) fail_msg("'%s' does not say '%s'", err.text, text);
     assert_false(ffp_is_folder(folder));
-}
-
-static void copy_pattern(const char *from, const char *to) {
-    char path[FFP_PATH_MAX], *data;
-    FfpError err = {0};
-    size_t size;
-    read_bytes("few", from, &data, &size);
-    path_of(path, to);
-    assert_true(ffp_write_file(path, data, size, &err));
-    ffp_free(data);
 }
 
 static void what_gives_no_room_is_refused(void **state) {
     (void)state;
     FfpSceneSpec spec = small_spec();
-    FfpError err = {0};
-    char path[FFP_PATH_MAX];
     refused("nowhere", &spec, 92, "cannot read the patterns' folder");
     refused("few", &spec, 0, "quality");
-    path_of(path, "wrong");
-    assert_true(ffp_make_folders(path, &err));
-    copy_pattern("001_black.png", "wrong/001_black.png");
-    refused("wrong", &spec, 92, "no white");
-    copy_pattern("002_white.png", "wrong/002_white.png");
-    copy_pattern("002_white.png", "wrong/003_map.png");
-    refused("wrong", &spec, 92, "a pattern is called map");
-    copy_pattern("002_white.png", "wrong/003_white.png");
-    refused("wrong", &spec, 92, "have the same number");
     spec.sensor.shift_error = 0.01F;
     refused("few", &spec, 92, "shift_error");
     spec = small_spec(), spec.resolution = 20;
