@@ -55,16 +55,16 @@ ffp_room(graycode DEPS findings optics match patterns image numerics base)
 ffp_room(shots DEPS findings graycode optics patterns capture image base READERS file_names)
 # a chessboard in several attitudes into the optics of camera and projector
 ffp_room(chessboard CALLS DEPS findings graycode shots optics capture image numerics base)
-# the object told from what it stands on
-ffp_room(masks DEPS match graycode capture image numerics base)
 # what is wrong with a capture
-ffp_room(checks DEPS masks findings match capture image numerics base READERS explain)
+ffp_room(checks DEPS findings match capture image numerics base READERS explain)
+# the object told from what it stands on
+ffp_room(masks DEPS checks findings graycode match capture image numerics base)
 # a turntable: its file, and its axis from what is seen at its stops, the object or a chessboard
 ffp_room(turntable DEPS checks findings chessboard shots optics match capture image numerics base READERS turntable)
 # what a projector makes of its pictures: their light, and how soft they are
 ffp_room(response DEPS match capture image numerics base)
 # photographs into captures: the order of the steps
-ffp_room(import DEPS response checks findings masks turntable shots graycode optics patterns capture image numerics base)
+ffp_room(import DEPS response checks findings masks turntable shots graycode optics patterns capture image base)
 # the rig's own calibration: the order of its steps, its files and report
 ffp_room(calibrate CALLS DEPS turntable chessboard optics capture base)
 

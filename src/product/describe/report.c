@@ -7,7 +7,7 @@
 #include "product/describe/print.h"
 #include "rig/checks/checks.h"
 #include "rig/checks/measure.h"
-#include "rig/masks/contact_sheet.h"
+#include "rig/masks/masks.h"
 
 static const char style[] =
     "*{box-sizing:border-box}body{font:15px/1.45 system-ui,sans-serif;max-width:1300px;margin:1em auto;"

@@ -7,8 +7,8 @@
 #include "core/image/lookup.h"
 #include "core/numerics/rank.h"
 #include "engine/match/coded.h"
+#include "rig/checks/chord.h"
 #include "rig/checks/measure.h"
-#include "rig/masks/chord.h"
 
 #define PIXELS_A_VIEW 300
 #define PIXELS_A_GUESS 80

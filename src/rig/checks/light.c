@@ -3,8 +3,8 @@
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 #include "core/numerics/rank.h"
+#include "rig/checks/chord.h"
 #include "rig/checks/measure.h"
-#include "rig/masks/chord.h"
 
 #define LIT 0.02               // what white adds to a pixel that it lights, and a difference that counts
 #define LIT_IN_THE_MEAN 0.005F // likewise over the channels

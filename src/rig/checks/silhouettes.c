@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
+#include "rig/checks/chord.h"
 #include "rig/checks/measure.h"
-#include "rig/masks/chord.h"
 
 #define PIXELS 6400       // of all views together,
 #define PIXELS_A_VIEW 400 // of each at most,

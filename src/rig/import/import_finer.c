@@ -2,7 +2,7 @@
 #include <math.h>
 #include "core/base/alloc.h"
 #include "rig/import/import_steps.h"
-#include "rig/masks/dark.h"
+#include "rig/masks/masks.h"
 
 #define WIDER 1.5      // photographs than the capture, from which on it pays
 #define OTHER_MOST 0.4 // of the mask's area, by which a finer one of the same thing may differ

@@ -5,7 +5,7 @@
 #include "core/patterns/patterns.h"
 #include "rig/findings/tell.h"
 #include "rig/import/import_steps.h"
-#include "rig/masks/contact_sheet.h"
+#include "rig/masks/masks.h"
 
 #define FEW_BITS (4095.5 / 65535)
 #define TOO_BRIGHT_MAX 0.001 // of the values

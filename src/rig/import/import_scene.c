@@ -1,6 +1,6 @@
 // Import of a whole scene: everything that a camera saw belongs to it.
 #include "rig/import/import_steps.h"
-#include "rig/masks/mask.h"
+#include "rig/masks/masks.h"
 
 bool ffp_importing_check_scene(const FfpImporting *import, FfpError *err) {
     const FfpImport *settings = import->settings;

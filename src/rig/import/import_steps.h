@@ -5,7 +5,7 @@
 #include "core/capture/capture.h"
 #include "core/image/photograph.h"
 #include "rig/import/import.h"
-#include "rig/masks/stage.h"
+#include "rig/masks/masks.h"
 #include "rig/optics/lens.h"
 #include "rig/response/response.h"
 #include "rig/shots/shots.h"
@@ -94,10 +94,6 @@ bool ffp_importing_read_pictures(FfpImporting *import, const char *const *paths,
                                  FfpImage *pictures, FfpImage *alphas, FfpError *err);
 // The empty stage, where there are photographs of it; and its memory (5).
 bool ffp_importing_load_stage(FfpImporting *import, FfpError *err);
-// A warning each where the stage, or a view, was photographed from another place, and where the room's light
-// changed in between; of views whose masks are made. Error: the stage's black and white are exchanged. Part
-// of the above.
-bool ffp_importing_compare_stage(const FfpImporting *import, FfpError *err);
 void ffp_importing_free_stage(FfpImporting *import);
 
 #endif

@@ -4,7 +4,7 @@
 #include "core/base/arena.h"
 #include "core/base/call.h"
 #include "core/base/rigid.h"
-#include "rig/masks/chord.h"
+#include "rig/checks/chord.h"
 
 #define REACH 1.1      // of the radius that bounds what is surely object
 #define SEEN_SHARE 0.5 // of all views, which must have a point in their pictures

@@ -1,11 +1,10 @@
-#include "rig/masks/common_stage.h"
 #include <string.h>
 #include <tgmath.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 #include "rig/masks/layers.h"
 #include "rig/masks/local_mean.h"
-#include "rig/masks/mask.h"
+#include "rig/masks/masks.h"
 #include "rig/masks/place.h"
 
 #define SAME 2.0         // mean squared error of looks that are alike

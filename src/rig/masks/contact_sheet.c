@@ -1,6 +1,6 @@
-#include "rig/masks/contact_sheet.h"
 #include <tgmath.h>
 #include "core/base/vec.h"
+#include "rig/masks/masks.h"
 
 #define WIDTH_MOST 240 // pixels of a view
 #define GAP 4

@@ -1,11 +1,9 @@
-#include "rig/masks/dark.h"
 #include <tgmath.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 #include "core/numerics/rank.h"
 #include "rig/masks/local_mean.h"
-#include "rig/masks/mask.h"
-#include "rig/masks/soft_edges.h"
+#include "rig/masks/masks.h"
 
 #define SMOOTH 0.7          // pixels
 #define SIGMAS 5.0          // of the background's noise, by which the object is brighter

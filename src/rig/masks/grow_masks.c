@@ -1,10 +1,9 @@
-#include "rig/masks/grow_masks.h"
 #include <stdlib.h>
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "core/base/call.h"
-#include "rig/masks/chord.h"
-#include "rig/masks/mask.h"
+#include "rig/checks/chord.h"
+#include "rig/masks/masks.h"
 #include "rig/masks/voxels.h"
 
 #define REACH 1.1F     // of the radius that bounds what is lit: the rest lies a little outside

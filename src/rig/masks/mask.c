@@ -1,9 +1,9 @@
-#include "rig/masks/mask.h"
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "rig/graycode/graycode.h"
+#include "rig/masks/masks.h"
 
 #define BINS 256
 #define SPECK_LEAST 200 // likewise of background inside it that is none

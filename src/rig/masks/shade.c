@@ -3,7 +3,7 @@
 #include "core/base/alloc.h"
 #include "core/numerics/rank.h"
 #include "rig/masks/local_mean.h"
-#include "rig/masks/mask.h"
+#include "rig/masks/masks.h"
 
 #define SMOOTH 0.8        // pixels
 #define COLOUR_SMOOTH 2.0 // under black, which is noisy

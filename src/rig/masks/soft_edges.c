@@ -1,7 +1,7 @@
-#include "rig/masks/soft_edges.h"
 #include <tgmath.h>
 #include "core/base/alloc.h"
 #include "rig/masks/local_mean.h"
+#include "rig/masks/masks.h"
 
 #define BAND 2        // pixels on either side of an outline
 #define SIGMA 1.5     // pixels over which object and stage are averaged

@@ -1,8 +1,8 @@
-#include "rig/masks/stage.h"
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "core/numerics/rank.h"
 #include "rig/masks/layers.h"
+#include "rig/masks/masks.h"
 
 #define NOISE_MOST 0.1  // of what pictures can hold: more is another room
 #define LIT 10          // times the noise that white adds

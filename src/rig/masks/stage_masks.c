@@ -1,10 +1,9 @@
-#include "rig/masks/stage_masks.h"
 #include <math.h>
 #include "core/base/arena.h"
 #include "core/base/call.h"
+#include "rig/checks/chord.h"
 #include "rig/masks/carve.h"
-#include "rig/masks/chord.h"
-#include "rig/masks/mask.h"
+#include "rig/masks/masks.h"
 #include "rig/masks/shade.h"
 
 #define VIEWS_LEAST 3   // that carve

@@ -1,6 +1,6 @@
-#include "rig/masks/stage_moved.h"
 #include <tgmath.h>
 #include "core/base/alloc.h"
+#include "rig/masks/masks.h"
 
 #define WIDTH 160     // pixels, about, at which pictures are compared
 #define REACH 0.06    // of the width: the largest displacement

@@ -205,28 +205,23 @@ static int known_pattern(const FfpShots *shots, const char *name) {
     return -1;
 }
 
-static bool tells_view(const char *template) {
-    return strstr(template, "{view}") || strstr(template, "{index}") || strstr(template, "{number") ||
-           strchr(template, '*');
-}
-
 // Paths [n_stops, n]: of each view, or the same for all of them.
 static bool find_empty_files(const char **paths, FfpShots *shots, const FfpImportImages *source,
                              const FfpCalibration *calibration, FfpError *err) {
-    const bool of_all = !tells_view(source->files);
+    const char *files = source->files;
+    const bool by_view = strstr(files, "{view}") || strstr(files, "{index") || strstr(files, "{number");
     const int n = source->n_patterns, stops = calibration->n_stops;
+    const FfpFileSet set = {
+        files, calibration, source->patterns, n, "photographs of the empty stage", "pattern", "", false};
     FfpCalibration first = *calibration; // which stands for all
-    if (of_all) first.n_stops = 1;
-    const FfpFileSet set = {source->files,
-                            of_all ? &first : calibration,
-                            source->patterns,
-                            n,
-                            "photographs of the empty stage",
-                            "pattern",
-                            "",
-                            false};
-    if (!ffp_files_find(paths, shots->arena, &set, err)) return false;
-    for (int i = n; of_all && i < stops * n; i++) paths[i] = paths[i - n];
+    FfpFileSet of_all = set;
+    FfpError none = {0};
+    first.n_stops = 1, of_all.calibration = &first;
+    if (by_view) return ffp_files_find(paths, shots->arena, &set, err);
+    if (!ffp_files_find(paths, shots->arena, &of_all,
+                        strchr(files, '*') ? &none : err)) // * may be all views'
+        return strchr(files, '*') && ffp_files_find(paths, shots->arena, &set, err);
+    for (int i = n; i < stops * n; i++) paths[i] = paths[i - n];
     return true;
 }
 

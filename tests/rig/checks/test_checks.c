@@ -4,10 +4,10 @@
 #include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/vec.h"
+#include "rig/checks/chord.h"
 #include "rig/checks/found.h"
 #include "rig/checks/measure.h"
 #include "rig/checks/slip.h"
-#include "rig/masks/chord.h"
 
 static FfpCapture capture;
 

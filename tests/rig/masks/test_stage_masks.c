@@ -3,12 +3,8 @@
 #include <math.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
-#include "rig/import/import_steps.h"
-#include "rig/masks/common_stage.h"
-#include "rig/masks/contact_sheet.h"
 #include "rig/masks/free_space.h"
-#include "rig/masks/soft_edges.h"
-#include "rig/masks/stage_masks.h"
+#include "rig/masks/masks.h"
 #include "support.h"
 
 enum { VIEWS = 8, WIDTH = 120, HEIGHT = 96, PATTERNS = 3, PANEL_WIDTH = 256, PANEL_HEIGHT = 128 };
@@ -284,8 +280,7 @@ static bool compare_with_stage(void *room, FfpError *e) {
     bool made[VIEWS];
     FfpEmptyStage stages[VIEWS];
     for (int v = 0; v < VIEWS; v++) made[v] = true, stages[v] = r->stage;
-    return ffp_importing_compare_stage(
-        &(FfpImporting){.capture = r->capture, .shots = {.white = 1}, .made = made, .stages = stages}, e);
+    return ffp_masks_compare_stage(&(FfpMasking){.capture = &r->capture, .made = made, .stages = stages}, e);
 }
 
 // What is said of the room's stage.

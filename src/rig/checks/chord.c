@@ -1,4 +1,4 @@
-#include "rig/masks/chord.h"
+#include "rig/checks/chord.h"
 #include <tgmath.h>
 
 #define WIDER 1.25 // the sphere of a whole scene, which need not hold all that is lit
