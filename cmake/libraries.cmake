@@ -3,7 +3,7 @@ find_package(PkgConfig REQUIRED)
 find_package(OpenMP REQUIRED C)
 # What the library stands on, as NAME:MODULE of pkg-config. Whoever links libffprocams.a needs them too
 # (cmake/install.cmake). What modules stand on is modules.cmake's affair; libtiff alone is always needed.
-set(FFP_PACKAGES PNG:libpng ZLIB:zlib JPEG:libjpeg OPENEXR:OpenEXR JANSSON:jansson YAML:yaml-0.1 EXPAT:expat ZSTD:libzstd
+set(FFP_PACKAGES PNG:libpng ZLIB:zlib JPEG:libjpeg OPENEXR:OpenEXR JANSSON:jansson YAML:yaml-0.1 EXPAT:expat ZSTD:libzstd LCMS:lcms2
                  OPENBLAS:openblas)
 foreach(entry ${FFP_PACKAGES})
   string(REPLACE ":" ";" entry ${entry})

@@ -14,7 +14,7 @@ import struct
 import zlib
 from pathlib import Path
 
-from PIL import Image
+from PIL import Image, ImageCms
 
 CORPUS = Path(__file__).parent / 'corpus'
 
@@ -194,6 +194,20 @@ def jpegs():
         out = io.BytesIO()
         image.save(out, 'JPEG', **options)
         write('jpeg', name + '.jpg', out.getvalue())
+
+
+def profiles():
+    icc = ImageCms.ImageCmsProfile(ImageCms.createProfile('sRGB')).tobytes()
+    icc = icc[:24] + bytes(12) + icc[36:]  # without the date
+    named = b'words\0\0' + zlib.compress(icc)
+    write('profile', 'iccp.png', png(2, 8, extra=[(b'iCCP', named)]))
+    write('profile', 'cicp.png', png(2, 8, extra=[(b'cICP', bytes([12, 13, 0, 1]))]))
+    write('profile', 'gama.png', png(2, 8, extra=[(b'gAMA', struct.pack('>I', 100000)), (b'cHRM', struct.pack(
+        '>8I', 31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000))]))
+    half = len(icc) // 2
+    parts = [b'ICC_PROFILE\0' + bytes([i + 1, 2]) + part for i, part in enumerate((icc[:half], icc[half:]))]
+    write('profile', 'two.jpg', b'\xff\xd8' + b''.join(b'\xff\xe2' + struct.pack('>H', len(part) + 2) + part for part in parts) +
+          b'\xff\xda\0\2')
 
 
 def tiff(channels, bits, compression=1, order='<', photometric=None, tile=0, width=5, height=4, **more):
@@ -538,5 +552,5 @@ def turntables():
     write('turntable', 'steps.yml', 'axis: [0, -1, 0]\npoint: [0, 40, 600]\ncount: 8\nstep: 45\n')
 
 
-for make in (splats, pngs, jpegs, tiffs, exrs, plys, foreign_plys, safetensors, captures, configurations, documents, nepmaps, colmaps, turntables):
+for make in (splats, pngs, jpegs, profiles, tiffs, exrs, plys, foreign_plys, safetensors, captures, configurations, documents, nepmaps, colmaps, turntables):
     make()

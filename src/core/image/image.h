@@ -49,7 +49,8 @@ typedef enum FfpColour {
 // or EXR (lines or tiles, layers, parts) by its content, not its name. EXR and TIFF of floats are linear.
 // JPEG and TIFF are rotated as their orientation tag says, with a note. Returns 4 channels: RGB and straight
 // alpha (1 if the file has none). Errors: not a file, not an image, truncated, a side of 0 or above
-// FFP_IMAGE_SIDE_MAX, values that are not finite. Gamma and colour profiles in files are ignored.
+// FFP_IMAGE_SIDE_MAX, values that are not finite. Colours of files with another
+// profile than sRGB are converted, with a note, but not for FFP_COLOUR_STORED.
 bool ffp_image_read(FfpImage *image, const char *path, FfpColour colour, FfpError *err);
 // Linear RGB over black. Straight alpha is multiplied in before decoding (as pictures are composited in
 // viewers, and in the metrics of this field); a linear file's colours are already premultiplied. *alpha

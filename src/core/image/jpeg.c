@@ -6,7 +6,7 @@
 #include <string.h>
 #include <jpeglib.h>
 #include "core/base/arena.h"
-#include "core/image/codec.h"
+#include "core/image/profile.h"
 
 typedef struct Reading {
     struct jpeg_error_mgr errors; // first: libjpeg hands out pointers to it
@@ -174,7 +174,13 @@ bool ffp_jpeg_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
     }
     out->image = ffp_image_new(width, height, 4);
     const size_t pixels = (size_t)width * (size_t)height;
-    for (size_t i = 0; i < pixels; i++) take_pixel(&r, r.pixels + r.channels * i, out->image.data + 4 * i);
+    FfpProfile profile = {0};
+    out->inks = r.channels == 4;
+    if (out->inks) profile = ffp_profile_find(file);
+    if (!ffp_profile_inks(&profile, r.pixels, r.inverted, &out->image, file->path))
+        for (size_t i = 0; i < pixels; i++)
+            take_pixel(&r, r.pixels + r.channels * i, out->image.data + 4 * i);
+    ffp_free(profile.icc);
     ffp_free(r.pixels);
     return true;
 }

@@ -5,7 +5,7 @@
 #include "core/base/file.h"
 #include "core/base/kind.h"
 #include "core/base/log.h"
-#include "core/image/codec.h"
+#include "core/image/profile.h"
 
 #define FILE_BYTES_MAX ((size_t)1 << 30)
 
@@ -58,8 +58,20 @@ static void note_orientation(FfpDecoded *out, const char *path) {
     ffp_note("%s: %s, as its orientation tag says", path, ffp_orientation_words(out->orientation));
 }
 
-// `raw`: one channel of numbers as they stand, rather than RGBA. `size`: that it is to have; NULL: any.
-static bool decode(FfpDecoded *out, const char *path, bool raw, const FfpSize *size, FfpError *err) {
+typedef enum Wanted {
+    NUMBERS, // one channel as it stands, rather than RGBA
+    VALUES,  // RGBA as it stands
+    COLOURS  // in sRGB, if they are not linear
+} Wanted;
+
+static void take_profile(FfpDecoded *out, const FfpBytes *file) {
+    if (out->profile.kind == FFP_PROFILE_NONE) out->profile = ffp_profile_find(file);
+    if (!out->linear && !out->inks) ffp_profile_apply(&out->profile, &out->image, file->path);
+}
+
+// `size`: that it is to have; NULL: any.
+static bool decode(FfpDecoded *out, const char *path, Wanted wanted, const FfpSize *size, FfpError *err) {
+    const bool raw = wanted == NUMBERS;
     *out = (FfpDecoded){0};
     FfpBytes file;
     if (!read_bytes(&file, path, err)) return false;
@@ -69,6 +81,9 @@ static bool decode(FfpDecoded *out, const char *path, bool raw, const FfpSize *s
         ok = ffp_fail(err, FFP_ERROR_FILE, path, "is not a grey PNG or TIFF, or an EXR image");
     else if (ok)
         ok = (raw ? codec->decode_raw : codec->decode)(&file, out, err);
+    if (ok && wanted == COLOURS) take_profile(out, &file);
+    ffp_free(out->profile.icc);
+    out->profile = (FfpProfile){0};
     free_bytes(&file);
     if (ok) note_orientation(out, path);
     // The size that was decoded counts, whatever the header said.
@@ -109,7 +124,7 @@ bool ffp_image_read_sized(FfpImage *image, const char *path, FfpColour colour, c
                           FfpError *err) {
     FfpDecoded decoded;
     *image = (FfpImage){0};
-    if (!decode(&decoded, path, false, size, err)) return false;
+    if (!decode(&decoded, path, colour == FFP_COLOUR_STORED ? VALUES : COLOURS, size, err)) return false;
     if (decoded.linear) unpremultiply(&decoded.image);
     if (decoded.linear && colour == FFP_COLOUR_ENCODED) ffp_image_to_srgb(&decoded.image);
     if (!decoded.linear && colour == FFP_COLOUR_LINEAR) ffp_image_to_linear(&decoded.image);
@@ -127,7 +142,7 @@ static bool read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, bo
     FfpDecoded decoded;
     *rgb = (FfpImage){0};
     if (alpha) *alpha = (FfpImage){0};
-    if (!decode(&decoded, path, false, size, err)) return false;
+    if (!decode(&decoded, path, light ? VALUES : COLOURS, size, err)) return false;
     FfpImage *image = &decoded.image;
     if (decoded.has_alpha && alpha) *alpha = ffp_image_channel(image, 3);
     if (decoded.linear) {
@@ -141,6 +156,14 @@ static bool read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, bo
     return true;
 }
 
+// Whether it has other colours than sRGB that are to be converted.
+static bool is_profiled(const FfpBytes *file) {
+    FfpProfile profile = ffp_profile_find(file);
+    const bool profiled = !ffp_profile_is_srgb(&profile);
+    ffp_free(profile.icc);
+    return profiled;
+}
+
 // A JPEG's, reduced while it is decoded; *done false, without an error: of any other file.
 static bool reduce_jpeg(FfpImage *rgb, int whole[2], bool *done, const char *path, bool light, int shrink,
                         bool rough, FfpError *err) {
@@ -150,7 +173,7 @@ static bool reduce_jpeg(FfpImage *rgb, int whole[2], bool *done, const char *pat
     *done = false;
     if (!read_bytes(&file, path, err)) return false;
     bool ok = true;
-    if (ffp_jpeg_is(&file)) {
+    if (ffp_jpeg_is(&file) && (light || !is_profiled(&file))) {
         for (int i = 0; i < 256; i++) table[i] = light ? (real)i / 255 : ffp_srgb_decode((real)i / 255);
         ok = ffp_jpeg_size(&file, &whole[0], &whole[1], err);
         if (ok && whole[0] % shrink == 0 && whole[1] % shrink == 0)
@@ -208,7 +231,7 @@ bool ffp_image_read_light(FfpImage *rgb, FfpImage *alpha, const char *path, FfpE
 
 bool ffp_image_read_raw16(FfpImage *image, const char *path, const FfpSize *size, FfpError *err) {
     FfpDecoded decoded;
-    const bool ok = decode(&decoded, path, true, size, err);
+    const bool ok = decode(&decoded, path, NUMBERS, size, err);
     *image = decoded.image;
     return ok;
 }

@@ -6,7 +6,7 @@
 #include <string.h>
 #include "core/base/arena.h"
 #include "core/base/call.h"
-#include "core/image/codec.h"
+#include "core/image/profile.h"
 #include "core/image/tiff_module.h"
 
 #define RATIO_MAX 4096 // LZW, the densest of the compressions read, cannot shrink further
@@ -325,6 +325,10 @@ bool ffp_tiff_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
     Reading r;
     FfpImage stored = {0};
     const bool ok = open_tiff(&r, file, err) && read_pixels(&r, &stored, err);
+    uint32_t icc_size = 0;
+    void *icc = NULL;
+    if (ok && r.lib->get(r.tiff, TIFFTAG_ICCPROFILE, &icc_size, &icc) && icc)
+        out->profile = ffp_profile_of_icc(icc, icc_size);
     close_tiff(&r);
     if (!ok) return false;
     const size_t pixels = (size_t)stored.width * (size_t)stored.height;
