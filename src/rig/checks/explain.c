@@ -205,16 +205,21 @@ static double shift_of(const Variant *variants, const double sums[VARIANTS], dou
     return *left < ODD ? variants[best].across : 0;
 }
 
-// The view that is explained worse than most, when it is far worse; error 0: not asked.
-static int worst_view(const double *errors, int n) {
+// The median error of the views that were asked, which have one.
+static double usual_error(const double *errors, int n) {
     double *sorted = ffp_alloc((size_t)n, sizeof *sorted);
-    int worst = 0, asked = 0;
-    for (int v = 0; v < n; v++) {
+    int asked = 0;
+    for (int v = 0; v < n; v++)
         if (errors[v] > 0) sorted[asked++] = errors[v];
-        worst = errors[v] > errors[worst] ? v : worst;
-    }
     const double usual = ffp_median(sorted, (size_t)asked);
     ffp_free(sorted);
+    return usual;
+}
+
+// The view that is explained worse than most, when it is far worse.
+static int worst_view(const double *errors, int n, double usual) {
+    int worst = 0;
+    for (int v = 0; v < n; v++) worst = errors[v] > errors[worst] ? v : worst;
     return errors[worst] > WORSE * usual ? worst : -1;
 }
 
@@ -242,7 +247,12 @@ static void look_at_views(FfpExplanation *out, const FfpCapture *capture, int pa
         out->odd = -1;
         out->odd_across = 0;
     }
-    if (odd == 0) out->odd = worst_view(errors, capture->n_views);
+    const double usual = usual_error(errors, capture->n_views);
+    if (out->odd >= 0 && !(errors[out->odd] > usual)) { // it fits as well as the others do
+        out->odd = -1;
+        out->odd_across = 0;
+    }
+    if (odd == 0) out->odd = worst_view(errors, capture->n_views, usual);
     ffp_free(errors);
 }
 
