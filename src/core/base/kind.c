@@ -62,7 +62,7 @@ bool ffp_check_kind(const char *path, FfpExpectedKind wanted, FfpError *err) {
         [FFP_KIND_GLTF] = "glTF",
         [FFP_KIND_SPLAT] = "splats (.splat)",
         [FFP_KIND_WEIGHTS] = "weights (safetensors)",
-        [FFP_KIND_FIELD] = "a neural field, which only `info` and `evaluate --field` read",
+        [FFP_KIND_FIELD] = "a neural field, which only `info` and `evaluate` read",
         [FFP_KIND_IMAGE] = "a picture",
     };
     static const char *const wants[] = {

@@ -70,7 +70,7 @@ void ffp_framing_note(const char *name, const FfpImage *image, int width, int he
     const bool resized = framing != FFP_FRAMING_PIXEL && same_shape(image, width, height);
     ffp_note("%s: %d x %d is %s %d x %d%s", name, image->width, image->height,
              resized ? "resized to" : how[framing], width, height,
-             !resized && framing == FFP_FRAMING_COVER ? " (--fit contain shows all of it)" : "");
+             !resized && framing == FFP_FRAMING_COVER ? " ('contain' shows all of it)" : "");
 }
 
 bool ffp_framed_check(const char *path, int width, int height, FfpError *err) {

@@ -36,9 +36,10 @@ static void write_line(void *user, FfpLogLevel level, const char *text) {
             text);
 }
 
-// "fix=camera.k3 camera.p" as it is given on the command line.
+// "fix=camera.k3 camera.p" as it is given on the command line; of "exposure" the option.
 static void print_setting(const char *setting) {
     const char *equals = setting ? strchr(setting, '=') : NULL;
+    if (setting && !equals) fprintf(stderr, "ffprocams:   the option is --%s\n", setting);
     if (!equals) return;
     fputs("ffprocams:   run it again with", stderr);
     for (const char *word = equals + 1; *word; word += strcspn(word, " "), word += *word == ' ')

@@ -98,7 +98,7 @@ static void print_structured_light(FILE *out, const FfpCapture *capture) {
     fputs("\nreconstructs from ", out);
     ffp_put_plain(out, active < 0 ? "none: no pattern other than black and white is in every view"
                                   : capture->patterns[active].name);
-    const char *before = "; --pattern adds";
+    const char *before = "; can add";
     for (int p = 0; active >= 0 && p < capture->n_patterns; p++) {
         const int views = views_under(capture, p);
         if (p == active || p == capture->black || p == capture->white || capture->patterns[p].novel ||

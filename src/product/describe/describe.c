@@ -88,7 +88,7 @@ static bool print_field(FILE *out, const char *path, FfpError *err) {
     fprintf(out, "density      in %.1f %% of %d x %d x %d cells around it; rays step by %.4g of the radius\n",
             100 * ffp_field_filled(&field), FFP_FIELD_CELLS, FFP_FIELD_CELLS, FFP_FIELD_CELLS,
             (double)field.step);
-    fputs("read by      info, evaluate --field\n", out);
+    fputs("read by      info, evaluate\n", out);
     ffp_neural_field_free(&field);
     return true;
 }

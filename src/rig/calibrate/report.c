@@ -45,8 +45,8 @@ static void put_terms(FILE *out, const FfpRigFit *fit) {
     }
     fputs(
         "</table></div><p>Pixel centres lie at integers, as OpenCV has them. &plusmn;: standard deviations. "
-        "<span class=open>Terms in this colour</span> are not determined by these photographs: fix them "
-        "(<code>--fix</code>), or add attitudes that reach the edges of the field.</p>\n",
+        "<span class=open>Terms in this colour</span> are not determined by these photographs: fix them, "
+        "or add attitudes that reach the edges of the field.</p>\n",
         out);
 }
 

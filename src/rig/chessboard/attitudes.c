@@ -9,6 +9,7 @@
 #include "rig/chessboard/notes.h"
 #include "rig/findings/tell.h"
 #include "rig/graycode/graycode.h"
+#include "rig/shots/tags.h"
 
 // Text without the path to the attitude's folder, whose name stays.
 static void shorten_paths(char *text, const char *file, const char *folder) {
@@ -112,64 +113,51 @@ static bool check_seen(const FfpRigFit *fit, const FfpImage *unseen, FfpError *e
 
 // --- What most of the folders are like. ---
 
-typedef struct Kind { // of a folder's photographs
-    int width, height, orientation;
-    const char *other; // a photograph that is tagged otherwise than the first; NULL: none
-} Kind;
+typedef struct Size {
+    int width, height;
+} Size;
 
-static Kind kind_of(const FfpShotFolder *folder) {
-    Kind kind = {.orientation = 1};
+static Size size_of(const FfpShotFolder *folder) {
+    Size size = {0};
     FfpError none = {0};
-    if (folder->n_files == 0) return kind;
-    ffp_photograph_read_size(&kind.width, &kind.height, folder->files[0], &none);
-    kind.orientation = ffp_image_orientation(folder->files[0]);
-    for (int k = 1; k < folder->n_files && !kind.other; k++)
-        if (ffp_image_orientation(folder->files[k]) != kind.orientation) kind.other = folder->files[k];
-    return kind;
+    if (folder->n_files > 0) ffp_photograph_read_size(&size.width, &size.height, folder->files[0], &none);
+    return size;
 }
 
-static int times(const Kind *kinds, int n, const Kind *like, bool tagged) {
+static int times(const Size *sizes, int n, const Size *like) {
     int count = 0;
-    for (int i = 0; i < n; i++)
-        count += tagged ? kinds[i].orientation == like->orientation
-                        : kinds[i].width == like->width && kinds[i].height == like->height;
+    for (int i = 0; i < n; i++) count += sizes[i].width == like->width && sizes[i].height == like->height;
     return count;
 }
 
-static const char *tag_words(int orientation) {
-    return orientation > 1 ? ffp_orientation_words(orientation) : "upright";
+// Sets the camera's size to that of most.
+static void settle_camera(FfpRigFit *fit, const FfpShotFolders *folders) {
+    Size *sizes = ffp_alloc((size_t)folders->n, sizeof *sizes), usual = {0};
+    for (int i = 0; i < folders->n; i++) sizes[i] = size_of(&folders->folders[i]);
+    for (int i = 0; i < folders->n; i++)
+        if (i == 0 || times(sizes, folders->n, &sizes[i]) > times(sizes, folders->n, &usual))
+            usual = sizes[i];
+    fit->devices[0].width = usual.width, fit->devices[0].height = usual.height;
+    ffp_free(sizes);
 }
 
-// Nothing turns between the photographs of a rig: tags that differ are the camera's error, and folders with
-// such have a problem. Sets the camera's size to that of most.
-static void settle_kinds(FfpRigFit *fit, const FfpShotFolders *folders) {
-    Kind *kinds = ffp_alloc((size_t)folders->n, sizeof *kinds), usual = {0}, tag = {0};
-    for (int i = 0; i < folders->n; i++) kinds[i] = kind_of(&folders->folders[i]);
+// Folders with photographs that are tagged differently have a problem.
+static void check_tags(FfpRigFit *fit, const FfpShotFolders *folders) {
+    int *tags = ffp_alloc((size_t)folders->n, sizeof *tags);
+    FfpError mixed = {0}, other = {0};
     for (int i = 0; i < folders->n; i++) {
-        if (i == 0 || times(kinds, folders->n, &kinds[i], false) > times(kinds, folders->n, &usual, false))
-            usual = kinds[i];
-        if (i == 0 || times(kinds, folders->n, &kinds[i], true) > times(kinds, folders->n, &tag, true))
-            tag = kinds[i];
-    }
-    fit->devices[0].width = usual.width, fit->devices[0].height = usual.height;
-    for (int i = 0; i < folders->n; i++) {
-        FfpError why = {0};
         const FfpShotFolder *folder = &folders->folders[i];
-        if (kinds[i].other)
-            ffp_fail_by(FFP_RULE_TAGS_MIXED,
-                        &(FfpFacts){.a = ffp_basename(folder->files[0]),
-                                    .b = tag_words(kinds[i].orientation),
-                                    .c = ffp_basename(kinds[i].other)},
-                        NULL, &why);
-        else if (kinds[i].orientation != tag.orientation)
-            ffp_fail_by(FFP_RULE_TAGS_DIFFER,
-                        &(FfpFacts){.a = folder->name,
-                                    .b = tag_words(kinds[i].orientation),
-                                    .c = tag_words(tag.orientation)},
-                        NULL, &why);
-        snprintf(fit->attitudes[i].problem, sizeof fit->attitudes[i].problem, "%s", why.text);
+        tags[i] = ffp_tag_of(folder->files, folder->n_files, NULL, &mixed);
+        if (tags[i] == 0)
+            snprintf(fit->attitudes[i].problem, sizeof fit->attitudes[i].problem, "%s", mixed.text);
     }
-    ffp_free(kinds);
+    const int usual = ffp_tag_usual(tags, folders->n);
+    for (int i = 0; i < folders->n; i++) {
+        if (tags[i] == 0 || tags[i] == usual) continue;
+        ffp_tag_fail(folders->folders[i].name, tags[i], usual, NULL, &other);
+        snprintf(fit->attitudes[i].problem, sizeof fit->attitudes[i].problem, "%s", other.text);
+    }
+    ffp_free(tags);
 }
 
 bool ffp_read_attitudes(FfpRigFit *fit, const FfpShotFolders *folders, FfpError *err) {
@@ -178,7 +166,8 @@ bool ffp_read_attitudes(FfpRigFit *fit, const FfpShotFolders *folders, FfpError 
     bool ok = true;
     fit->n = folders->n;
     fit->attitudes = ffp_alloc((size_t)folders->n, sizeof *fit->attitudes);
-    settle_kinds(fit, folders);
+    settle_camera(fit, folders);
+    check_tags(fit, folders);
     for (int i = 0; ok && i < folders->n; i++) {
         ok = read_attitude(fit, &fit->attitudes[i], &folders->folders[i], &unseen, err);
         ffp_task_step(&task, i + 1, NULL);

@@ -322,9 +322,16 @@ static const FfpRule rules[FFP_RULES] = {
          "view '{view}': under black it has {figure:.3f} of full scale where other views have {x:.3f}",
          "was a lamp switched, or did daylight change? Photograph all views in the same light", NULL},
     [FFP_RULE_TOO_BRIGHT] =
-        {"values-clipped", "exposure", DOUBT, "share of the values", 0,
+        {"values-clipped", "exposure", DOUBT, "share of the values", 0.001,
          "{figure:.1%} of the photographs' values exceed the range of a capture's pictures and were clipped",
          "lower the exposure to keep them", "exposure"},
+    [FFP_RULE_FEW_BITS] =
+        {"twelve-bits", "exposure", DOUBT, "of full scale", 4095.5 / 65535,
+         "no value of the photographs is above {figure:.4f} of full scale, as of 12 bits in "
+         "files of 16",
+         "raise the exposure by {x:.0f} stops, or the capture's pictures have hardly any "
+         "steps",
+         "exposure={x:.0f}"},
     [FFP_RULE_CODES_LEFT_OUT] = {"codes-left-out", "codes", DOUBT, NULL, 0,
                                  "the Gray codes of view '{view}' are left out: {a}", NULL, NULL},
     [FFP_RULE_RESPONSE] =

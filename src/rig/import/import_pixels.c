@@ -7,9 +7,6 @@
 #include "rig/import/import_steps.h"
 #include "rig/masks/masks.h"
 
-#define FEW_BITS (4095.5 / 65535)
-#define TOO_BRIGHT_MAX 0.001 // of the values
-
 FfpImage ffp_importing_code_pattern(const FfpOptics *panel, int index) {
     const int columns = ffp_gray_code_bits(panel->width), pair = index / 2, axis = pair >= columns;
     FfpImage grey = ffp_pattern_gray_code(panel->width, panel->height, axis, axis ? pair - columns : pair,
@@ -73,21 +70,18 @@ static void note_developed(const FfpDeveloped *developed) {
                  developed->frames);
 }
 
-// 12-bit numbers in files of 16 bits leave the capture's 8 bits hardly any steps.
 static void note_too_dark(const FfpImporting *import) {
-    if (!import->settings->linear_images || !(import->brightest > 0 && import->brightest <= FEW_BITS)) return;
-    const double stops = floor(-log2(import->brightest));
+    const double most = import->brightest;
+    if (!import->settings->linear_images || !(most > 0 && most <= ffp_rule(FFP_RULE_FEW_BITS)->limit)) return;
+    const double stops = floor(-log2(most));
     if (import->settings->exposure < stops)
-        ffp_warning(
-            "no value of the photographs is above %.4f of full scale, as of 12 bits in files of 16: an "
-            "exposure of %.0f stops (--exposure) gives the capture's pictures their range",
-            import->brightest, stops);
+        ffp_tell(FFP_RULE_FEW_BITS, &(FfpFacts){.figure = most, .x = stops});
 }
 
 static void note_too_bright(const FfpImporting *import) {
     const double share = (double)import->too_bright / (double)import->values;
-    if (share > TOO_BRIGHT_MAX)
-        ffp_tell(FFP_RULE_TOO_BRIGHT, &(FfpFacts){.figure = share, .limit = TOO_BRIGHT_MAX});
+    if (share > ffp_rule(FFP_RULE_TOO_BRIGHT)->limit)
+        ffp_tell(FFP_RULE_TOO_BRIGHT, &(FfpFacts){.figure = share});
 }
 
 // Files of masks that leave nothing of any view are the wrong way round, or other pictures.

@@ -55,7 +55,7 @@ static void test_info_tells_what_files_hold(void **state) {
     (void)state;
     assert_int_equal(run_format(&run, "info %s/tiny", scratch), 0);
     assert_non_null(strstr(run.out, "views        4"));
-    assert_non_null(strstr(run.out, "reconstructs from lollipop_0; --pattern adds lollipop_1\n"));
+    assert_non_null(strstr(run.out, "reconstructs from lollipop_0; can add lollipop_1\n"));
     assert_int_equal(run_format(&run, "info %s/tiny/render_poses.json", scratch), 0);
     assert_non_null(strstr(run.out, "stripes"));
     assert_int_equal(run_format(&run, "info %s/tiny.ply", scratch), 0);

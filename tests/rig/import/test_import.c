@@ -7,6 +7,7 @@
 #include <tgmath.h>
 #include <jpeglib.h>
 #include "core/base/alloc.h"
+#include "core/base/call.h"
 #include "core/base/rng.h"
 #include "core/base/vec.h"
 #include "core/image/lookup.h"
@@ -833,6 +834,47 @@ static void test_real_calibration(void **state) {
     waves = false;
 }
 
+static char told[256];
+
+static void keep_code(void *user, const FfpFinding *finding) {
+    (void)user;
+    snprintf(told, sizeof told, "%s %s", finding->code, finding->setting ? finding->setting : "");
+}
+
+static bool run_import(void *argument, FfpError *error) {
+    return ffp_import(argument, error);
+}
+
+// Twelve bits in files of 16 are told with the stops that they lack, and with these they are not.
+static void test_twelve_bits(void **state) {
+    (void)state;
+    const Rig rig = orbit(false);
+    FfpContext context = {.settings = {.finding = keep_code}};
+    take_photographs(&rig, EXR);
+    write_colmap(&rig, "model");
+    for (int v = 0; v < VIEWS; v++)
+        for (int p = 0; p < 3; p++) {
+            char name[64];
+            snprintf(name, sizeof name, "photos/%s_%s.png", rig.stops[v].id, names[p]);
+            FfpImage picture = {0};
+            assert_true(ffp_image_read_over_black(&picture, NULL, in_scratch(name), NULL));
+            for (int i = 0; i < 3 * WIDTH * HEIGHT; i++)
+                picture.data[i] = fminf(picture.data[i], 1) * 4095 / 65535;
+            assert_true(ffp_image_write_png16(&picture, in_scratch(name), NULL));
+            ffp_image_free(&picture);
+        }
+    Call *call = call_of("twelve", "model", NULL);
+    call->options.linear_images = call->options.linear_patterns = true;
+    if (!ffp_call_run(&context, run_import, &call->options, &err)) fail_msg("%s", err.text);
+    assert_string_equal(told, "twelve-bits exposure=4");
+    told[0] = 0;
+    call = call_of("sixteen", "model", NULL);
+    call->options.linear_images = call->options.linear_patterns = true;
+    call->options.exposure = 4;
+    if (!ffp_call_run(&context, run_import, &call->options, &err)) fail_msg("%s", err.text);
+    assert_null(strstr(told, "twelve-bits"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_poses_of_all_views),
@@ -845,6 +887,7 @@ int main(void) {
         cmocka_unit_test(test_kinds_of_files),
         cmocka_unit_test(test_alpha),
         cmocka_unit_test(test_linear_files),
+        cmocka_unit_test(test_twelve_bits),
         cmocka_unit_test(test_some_views),
         cmocka_unit_test(test_real_calibration),
     };
