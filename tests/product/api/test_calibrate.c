@@ -556,6 +556,7 @@ static void a_turntable_comes_back(void **state) {
         FfpContext *context = listening();
         if (!ffp_calibrate_rig(context, &o, &stats, &err)) fail_msg("%s", err.text);
         ffp_context_free(context);
+        assert_false(ffp_turntable_take(&read, &(FfpImportTurntable){.file = table}, &err)); // no angles
         if (!ffp_turntable_take(&read, &given, &err)) fail_msg("%s", err.text);
         double across[3], off[3] = {0};
         for (int i = 0; i < 3; i++) off[i] = read.point[i] - axis_point[i];
@@ -567,7 +568,7 @@ static void a_turntable_comes_back(void **state) {
         assert_true(stats.has_axis && stats.stops_used == STOPS && stats.reversed == (reversed == 1));
         assert_true(degrees_between(read.axis, u) < 0.2 && sqrt(ffp_dot(across, across)) < 1.5);
         // The object's angles count as the board's did; the board's are not the object's.
-        assert_true(read.count == 0 && read.clockwise == (reversed == 1) && stats.stops_rms < 0.2);
+        assert_true(read.clockwise == (reversed == 1) && stats.stops_rms < 0.2);
         assert_true(fabs(ffp_dot(read.zero, read.zero) - 1) < 1e-6 &&
                     fabs(ffp_dot(read.zero, read.axis)) < 1e-6);
     }
