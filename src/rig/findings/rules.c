@@ -376,7 +376,14 @@ static const FfpRule rules[FFP_RULES] = {
          "overexposed: shorten the exposure until white stays below the limit, and "
          "photograph the codes again",
          NULL},
-    [FFP_RULE_PLAIN_CLIPPED] = {"black-and-white-overexposed", "exposure", FAULT, ALL_PIXELS, 0.3,
+    [FFP_RULE_CODES_FEW_BITS] =
+        {"codes-of-twelve-bits", "exposure", FAULT, "of full scale", 4095.5 / 65535,
+         "no value of '{a}' is above {figure:.4f} of full scale, as of 12 bits in files of 16",
+         "save the photographs as sRGB that fills the file's range, as cameras' JPEGs do; if they are as "
+         "dark "
+         "as that, expose longer",
+         NULL},
+    [FFP_RULE_PLAIN_CLIPPED] = {"black-and-white-overexposed", "exposure", FAULT, ALL_PIXELS, 0.1,
                                 "{figure:.0%} of '{a}' are at the camera's limit",
                                 "overexposed: shorten the exposure until the projector's white stays below "
                                 "the limit, and photograph all again",

@@ -136,6 +136,17 @@ static bool fail_plain(const Plain *front, const Plain *back, const FfpGrayPhoto
         "numbered in the order in which they were shown, or the exposure changed between them");
 }
 
+// Whether the lighter of two uses the file's range.
+static bool check_range(const Plain *p, const FfpGrayPhotographs *from, FfpError *err) {
+    const char *lighter = p->files[p->turned ? 0 : 1];
+    float most = 0;
+    for (size_t i = 0; i < (size_t)p->width * (size_t)p->height; i++) most = fmaxf(most, p->grey[1][i]);
+    const double value = (double)ffp_srgb_encode((real)most);
+    return from->linear || !p->lit || value > ffp_rule(FFP_RULE_CODES_FEW_BITS)->limit ||
+           ffp_fail_by(FFP_RULE_CODES_FEW_BITS, &(FfpFacts){.a = ffp_basename(lighter), .figure = value},
+                       lighter, err);
+}
+
 bool ffp_gray_find_plain(FfpGrayPhotographs *photographs, const char *const *files, int n, FfpError *err) {
     const int count = 2 + ffp_gray_photographs(photographs->width, photographs->height);
     if (n != count)
@@ -147,16 +158,17 @@ bool ffp_gray_find_plain(FfpGrayPhotographs *photographs, const char *const *fil
     const Plain *chosen = NULL;
     const bool ok = read_plain(&front, photographs, err) && read_plain(&back, photographs, err);
     if (ok) chosen = choose(&front, &back);
-    if (chosen) {
+    const bool good = ok && check_range(chosen ? chosen : &front, photographs, err) &&
+                      (chosen || fail_plain(&front, &back, photographs, err));
+    if (good) {
         photographs->codes = files + (chosen == &front ? 2 : 0);
         photographs->black = chosen->files[chosen->turned ? 1 : 0];
         photographs->white = chosen->files[chosen->turned ? 0 : 1];
-        if (photographs->cache) {
-            keep_plain(photographs->cache, &front, photographs->white);
-            keep_plain(photographs->cache, &back, photographs->white);
-        }
     }
-    const bool told = !ok || chosen || fail_plain(&front, &back, photographs, err);
+    if (good && photographs->cache) {
+        keep_plain(photographs->cache, &front, photographs->white);
+        keep_plain(photographs->cache, &back, photographs->white);
+    }
     free_plain(&front), free_plain(&back);
-    return ok && told;
+    return good;
 }

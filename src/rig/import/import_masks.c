@@ -31,7 +31,8 @@ static double mean_of(const FfpImage *rgb) {
 }
 
 // White adds no light: where one photograph is lighter than all others, and clearly so, it is white's, and
-// all are a pattern late. With one pattern alone, that may as well be the pattern's own light.
+// all are a pattern late. With one pattern alone, that may as well be the pattern's own light: then white
+// shows what black does.
 static bool tell_late(const FfpImporting *import, int stop, FfpError *err) {
     const FfpShots *shots = &import->shots;
     const FfpImage *images = import->capture.views[stop].images;
@@ -45,12 +46,13 @@ static bool tell_late(const FfpImporting *import, int stop, FfpError *err) {
         if (mean > most) most = mean, lightest = p;
         shown++;
     }
-    if (shown < 4 || lightest == shots->white || lightest == shots->black || !(most > LATE_TIMES * next))
-        return false;
-    return ffp_fail_by(
-        FFP_RULE_ONE_LATE,
-        &(FfpFacts){.a = ffp_basename(files[shots->white]), .b = ffp_basename(files[lightest])},
-        files[shots->white], err);
+    if (lightest == shots->white || lightest == shots->black || !(most > LATE_TIMES * next)) return false;
+    const char *white = files[shots->white];
+    const bool late = shown >= 4;
+    return ffp_fail_by(late ? FFP_RULE_ONE_LATE : FFP_RULE_WHITE_IS_BLACK,
+                       &(FfpFacts){.a = ffp_basename(late ? white : files[shots->black]),
+                                   .b = ffp_basename(late ? files[lightest] : white)},
+                       white, err);
 }
 
 // The mask as it was asked for: later, from the empty stage; a file; otherwise the white picture's alpha

@@ -249,6 +249,10 @@ static const Fault faults[] = {
      0,
      0,
      {"100 % of 'shot_2.png' are at the camera's limit", "overexposed"}},
+    {"cp ../twelve_1.png " SHOT(1) " && cp ../twelve_2.png " SHOT(2),
+     0,
+     0,
+     {"'shot_2.png' is above 0.0", "as of 12 bits in files of 16"}},
     // Numbers.
     {SWAP(11, 12), 0, 0, {"shot_11.png and shot_12.png", "swapped, a code and its inverse"}},
     {SWAP(27, 29) " && " SWAP(28, 30), 0, 0, {"pairs of shot_27.png and shot_29.png", "swapped"}},
@@ -285,8 +289,24 @@ static const Fault faults[] = {
      {"no chessboard with 7 x 5 inner corners in any of 1 attitudes"}},
 };
 
+// Black and white as numbers of 12 bits, which are light, in files of 16.
+static void write_twelve_bits(void) {
+    for (int k = 1; k <= 2; k++) {
+        char name[64];
+        FfpImage image = {0};
+        snprintf(name, sizeof name, "shots/pose_2/shot_%d.png", k);
+        assert_true(ffp_image_read_over_black(&image, NULL, in_scratch(name), NULL));
+        for (int i = 0; i < 3 * image.width * image.height; i++)
+            image.data[i] = fminf(image.data[i], 1) * 4095 / 65535;
+        snprintf(name, sizeof name, "twelve_%d.png", k);
+        assert_true(ffp_image_write_png16(&image, in_scratch(name), NULL));
+        ffp_image_free(&image);
+    }
+}
+
 static void what_is_wrong_is_named(void **state) {
     NEEDS_OPENCV();
+    write_twelve_bits();
     for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
         char command[1024], folder[FFP_PATH_MAX];
         const char *named = folder;
