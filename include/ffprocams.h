@@ -230,6 +230,17 @@ FFP_API FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *cap
 FFP_API FfpGaussians *ffp_gaussians_open(FfpContext *context, const char *path, FfpError *err);
 FFP_API bool ffp_gaussians_save(FfpContext *context, const FfpGaussians *gaussians, const char *path,
                                 FfpError *err);
+// The world axis that points up.
+typedef enum FfpUp { FFP_UP_Z, FFP_UP_Y, FFP_UP_MINUS_Y } FfpUp;
+
+// Turns splats of another program about the world's origin, from the axes of the file that they were opened
+// from
+// (`path`) into the capture's, whose z is up. `up`: the direction that is up in the file, the inverse of
+// FfpExport.up; NULL: of the 24 orders of axes the one that fits the capture's silhouettes and colours, with
+// a note, if it is clearly better than the file's; nothing is turned for files of relightable Gaussians.
+// Errors: photographs that cannot be read.
+FFP_API bool ffp_gaussians_turn(FfpContext *context, FfpGaussians *gaussians, const char *path,
+                                const FfpCapture *capture, const FfpUp *up, FfpError *err);
 // Checks that a file can be written to this path, so that errors show before the work rather than after it.
 FFP_API bool ffp_can_write(const char *path, FfpError *err);
 FFP_API int64_t ffp_gaussians_count(const FfpGaussians *gaussians);
@@ -609,9 +620,6 @@ FFP_API int ffp_write_maps(FfpContext *context, const FfpGaussians *gaussians, c
                            const FfpMaps *options, FfpMapStats *stats, FfpError *err);
 
 // --- Export to other programs. ---
-
-// The world axis that points up.
-typedef enum FfpUp { FFP_UP_Z, FFP_UP_Y, FFP_UP_MINUS_Y } FfpUp;
 
 typedef struct FfpExport {
     // The extension selects the format: splats as .ply (the layout of 3DGS), .spz, .gltf or .glb

@@ -71,7 +71,7 @@ const char *ffp_cli_rank_name(void); // "rank 3: "; "" alone
 #define FFP_CLI_TRAIN "train"
 
 // Options and arguments of several commands; `place` is the offset of their destination.
-extern const FfpWord ffp_cli_framings[], ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[],
+extern const FfpWord ffp_cli_framings[], ffp_cli_up[], ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[],
     ffp_cli_page_forms[], ffp_cli_devices[], ffp_cli_none[];
 #define FFP_CLI_GAUSSIANS(place)                                                                             \
     {                                                                                                        \
@@ -116,6 +116,16 @@ extern const FfpWord ffp_cli_framings[], ffp_cli_auto[], ffp_cli_layers[], ffp_c
         .help = text " of another shape: cover (default) fills the frame and cuts off what is beyond it, "   \
                      "contain shows all of the picture with black beside it, stretch distorts it, pixel "    \
                      "shows it pixel for pixel"                                                              \
+    }
+// By --up (int: 0, or 1 + FfpUp), or otherwise as the capture shows; see ffp_gaussians_turn.
+bool ffp_cli_turn(FfpGaussians *gaussians, const char *path, const FfpCapture *capture, int up,
+                  FfpError *err);
+#define FFP_CLI_UP(place)                                                                                    \
+    {                                                                                                        \
+        .name = "up", .argument = "AXIS", .type = FFP_OPTION_CHOICE, .offset = (place), .words = ffp_cli_up, \
+        .help = "of splats of another program, the direction that is up in their file: y (as export writes " \
+                ".spz, .glb and .gltf), -y (.ply), or z for the capture's axes. Default: what fits the "     \
+                "capture's silhouettes and colours, with a message"                                          \
     }
 #define FFP_CLI_FORM_HELP                                                                                    \
     "ours (default), or paper for Gaussians from a model in the paper's form, or gs-procams for those "      \

@@ -8,6 +8,7 @@ typedef struct Arguments {
     FfpList views, targets;
     int transparent;
     FfpCompensation how;
+    int up;
 } Arguments;
 
 static void tell(const FfpCompensation *how, const FfpCompensationStats *stats) {
@@ -42,7 +43,8 @@ static int run(void *data) {
     FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
     FfpCapture *capture =
         gaussians ? ffp_capture_open_devices(ffp_cli_context(), arguments->capture, true, &err) : NULL;
-    if (capture) ok = ffp_compensate(ffp_cli_context(), gaussians, capture, how, &stats, &err);
+    if (capture && ffp_cli_turn(gaussians, arguments->gaussians, capture, arguments->up, &err))
+        ok = ffp_compensate(ffp_cli_context(), gaussians, capture, how, &stats, &err);
     if (ok) tell(how, &stats);
     ffp_capture_close(capture);
     ffp_gaussians_close(gaussians);
@@ -148,6 +150,7 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, how.for_device),
      .help = "write the pattern ready for the real projector: at its panel's size, with lens distortion "
              "reapplied and gamma undone, as recorded by import in scene.json (projector.device)"},
+    FFP_CLI_UP(offsetof(Arguments, up)),
     FFP_CLI_DRAWING(offsetof(Arguments, how.drawing.form), FFP_CLI_FORM_HELP),
     FFP_CLI_SAMPLES(offsetof(Arguments, how.drawing.samples), FFP_CLI_SAMPLES_HELP),
     {0},

@@ -174,12 +174,13 @@ static const FfpOption options[] = {
      .argument = "PATTERNS",
      .type = FFP_OPTION_FOLDER,
      .offset = offsetof(Arguments, generation.photographs),
-     .help = "write photographs instead of captures: of one object (the first, or --mesh) on a turntable "
-             "under every pattern in this folder (from `patterns`), in view-DDD/ named by angle, of the stage "
-             "without it, in empty/, and, if there are Gray codes, of a "
-             "chessboard of 9 x 6 corners for `calibrate`, in attitude-NN/ and turntable/. Camera and "
-             "projector have lens distortion. Photographs are numbered like their patterns. truth.json holds "
-             "the true calibration. --resolution sets their height (480), --views the number of stops"},
+     .help =
+         "write photographs instead of captures: of one object (the first, or --mesh) on a turntable "
+         "under every pattern in this folder (from `patterns`), in view-DDD/ named by angle, of the stage "
+         "without it, in empty/, and, if there are Gray codes, of a "
+         "chessboard of 9 x 6 corners for `calibrate`, in attitude-NN/ and turntable/. Camera and "
+         "projector have lens distortion. Photographs are numbered like their patterns. truth.json holds "
+         "the true calibration. --resolution sets their height (480), --views the number of stops"},
     {.name = "attitudes",
      .needs = "photographs",
      .argument = "N",

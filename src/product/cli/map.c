@@ -5,6 +5,7 @@ typedef struct Arguments {
     const char *gaussians, *capture;
     FfpList views;
     FfpMaps maps;
+    int up;
 } Arguments;
 
 static void tell(const Arguments *arguments, const FfpMapStats *stats, int written) {
@@ -28,7 +29,7 @@ static int run(void *data) {
     FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
     FfpCapture *capture =
         gaussians ? ffp_capture_open_devices(ffp_cli_context(), arguments->capture, false, &err) : NULL;
-    if (capture)
+    if (capture && ffp_cli_turn(gaussians, arguments->gaussians, capture, arguments->up, &err))
         written = ffp_write_maps(ffp_cli_context(), gaussians, capture, &arguments->maps, stats, &err);
     if (written >= 0) tell(arguments, stats, written);
     ffp_capture_close(capture);
@@ -57,6 +58,7 @@ static const FfpOption options[] = {
      .repeated = true,
      .offset = offsetof(Arguments, views),
      .help = "view to map; may be repeated. Default: all views of the poses"},
+    FFP_CLI_UP(offsetof(Arguments, up)),
     FFP_CLI_DRAWING(offsetof(Arguments, maps.drawing.form), FFP_CLI_FORM_HELP),
     FFP_CLI_SAMPLES(offsetof(Arguments, maps.drawing.samples), FFP_CLI_SAMPLES_HELP),
     {0},

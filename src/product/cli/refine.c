@@ -12,6 +12,7 @@ typedef struct Arguments {
     int scratch, form; // form -1: not given
     FfpList patterns;
     FfpRefinement refinement;
+    int up;
 } Arguments;
 
 static void tell(const Arguments *arguments, const FfpRefinementStats *stats) {
@@ -46,6 +47,10 @@ static bool run_gaussians(const Arguments *arguments, const FfpCapture *capture,
     if (arguments->gaussians &&
         !(gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, err)))
         return false;
+    if (gaussians && !ffp_cli_turn(gaussians, arguments->gaussians, capture, arguments->up, err)) {
+        ffp_gaussians_close(gaussians);
+        return false;
+    }
     if (arguments->scratch) {
         FfpGaussians *points = gaussians;
         gaussians =
@@ -176,6 +181,7 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, refinement.seed),
      .high = INT64_MAX,
      .help = "random seed for the order of views and for the initial points from scratch. Default: 1"},
+    FFP_CLI_UP(offsetof(Arguments, up)),
     FFP_CLI_DRAWING(offsetof(Arguments, form), FFP_CLI_FORM_HELP),
     FFP_CLI_SAMPLES(offsetof(Arguments, refinement.drawing.samples), FFP_CLI_SAMPLES_HELP),
     FFP_CLI_FORCE(offsetof(Arguments, refinement.force)),

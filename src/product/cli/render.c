@@ -9,6 +9,7 @@ typedef struct Arguments {
     const char *gaussians, *capture;
     FfpList views, patterns;
     FfpPictures pictures;
+    int up;
 } Arguments;
 
 static int check(const Arguments *arguments) {
@@ -38,7 +39,9 @@ static int run(void *data) {
     FfpCapture *capture = gaussians && with
                               ? ffp_capture_open_devices(ffp_cli_context(), arguments->capture, sphere, &err)
                               : NULL;
-    if (gaussians && (capture || !with))
+    const bool turned =
+        capture && ffp_cli_turn(gaussians, arguments->gaussians, capture, arguments->up, &err);
+    if (gaussians && (turned || !with))
         written = ffp_render_pictures(ffp_cli_context(), gaussians, capture, pictures, &err);
     if (written >= 0) printf("%s: %d picture%s\n", pictures->folder, written, FFP_CLI_S(written));
     ffp_capture_close(capture);
@@ -156,6 +159,7 @@ static const FfpOption options[] = {
      .takes = "one number, or three separated by commas",
      .help = "the projector's radiant intensity at pattern value 1, as printed by `ffprocams info CAPTURE`. "
              "Default: that of the capture or of --poses"},
+    FFP_CLI_UP(offsetof(Arguments, up)),
     FFP_CLI_DRAWING(offsetof(Arguments, pictures.drawing.form), FFP_CLI_FORM_HELP),
     FFP_CLI_SAMPLES(offsetof(Arguments, pictures.drawing.samples), FFP_CLI_SAMPLES_HELP),
     {.name = "orbit",
