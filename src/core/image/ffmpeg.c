@@ -5,10 +5,11 @@
 
 enum { OPTIONS_MAX = 20 };
 
-// Even sides, colours as players expect them of untagged files too.
+// Colours as players expect them of untagged files too. Odd sides take a colour for each pixel (4:4:4).
 #define YUV                                                                                                  \
-    "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p", "-colorspace", \
-        "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"
+    even, "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"
+static const char even[] = "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p",
+                  odd[] = "scale=out_color_matrix=bt709:out_range=tv,format=yuv444p";
 
 static const struct Format {
     const char *ending;
@@ -42,7 +43,8 @@ bool ffp_ffmpeg_start(FfpProcess **ffmpeg, const char *path, const char *file, i
     snprintf(size, sizeof size, "%dx%d", width, height);
     snprintf(speed, sizeof speed, "%d", rate);
     snprintf(output, sizeof output, "file:%s", file);
-    for (int i = 0; format->options[i]; i++) arguments[n++] = format->options[i];
+    for (int i = 0; format->options[i]; i++)
+        arguments[n++] = format->options[i] == even && (width % 2 || height % 2) ? odd : format->options[i];
     arguments[n++] = "-y";
     arguments[n++] = output;
     return ffp_process_start(ffmpeg, arguments, FFP_PROCESS_STDIN, path, err);

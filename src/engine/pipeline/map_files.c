@@ -8,6 +8,7 @@
 #include "engine/pipeline/elsewhere.h"
 #include "engine/pipeline/need.h"
 #include "engine/pipeline/relight.h"
+#include "engine/pipeline/warp_files.h"
 
 static FfpImages *map_view(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *view,
                            FfpDrawing drawing, FfpMapStats *stats) {
@@ -116,7 +117,10 @@ static bool write_image(Writer *writer, const FfpImageEntry *entry, const FfpVie
     if (strcmp(name, "camera_to_projector") == 0)
         return write_shares(writer, image, &view->projector, name, err);
     if (strcmp(name, "projector_to_camera") == 0)
-        return write_shares(writer, image, &view->camera, name, err);
+        return write_shares(writer, image, &view->camera, name, err) &&
+               name_map(path, writer, "stmap", ".exr", err) &&
+               ffp_write_stmap(image, &view->camera, path, err) &&
+               name_map(path, writer, "warp", ".obj", err) && ffp_write_warp(image, &view->camera, path, err);
     return true;
 }
 

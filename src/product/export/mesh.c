@@ -168,11 +168,10 @@ static void print_obj(const FfpSurface *mesh, const real *colours, const uint32_
                 (double)c[0], (double)c[1], (double)c[2]);
         fprintf(out, "vn %.4f %.4f %.4f\n", (double)n[0], (double)n[1], (double)n[2]);
     }
-    for (size_t q = 0; q < mesh->n_quads; q++) {
-        fputc('f', out);
-        for (size_t k = 0; k < 4; k++)
-            fprintf(out, " %u//%u", number[mesh->quads[4 * q + k]], number[mesh->quads[4 * q + k]]);
-        fputc('\n', out);
+    for (size_t i = 0; i < 6 * (size_t)mesh->n_quads; i++) {
+        static const size_t corners[6] = {0, 1, 2, 0, 2, 3};
+        const uint32_t v = number[mesh->quads[4 * (i / 6) + corners[i % 6]]];
+        fprintf(out, "%s %u//%u%s", i % 3 == 0 ? "f" : "", v, v, i % 3 == 2 ? "\n" : "");
     }
 }
 

@@ -153,8 +153,32 @@ static void animated_pictures(void **state) {
     ffp_frames_close(&frames);
 }
 
+// A film is exactly as large as its frames, even where sides are odd.
+static void films_keep_their_size(void **state) {
+    (void)state;
+    static const char *const names[] = {"odd.mp4", "odd.mkv", "odd.webm", "odd.gif"};
+    need_ffmpeg();
+    FfpImage picture = ffp_image_new(35, 21, 3);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        FfpFilm film;
+        FfpFrames frames;
+        FfpRaw frame;
+        FfpError err = {0};
+        assert_true(ffp_film_open(&film, in_scratch(names[i]), 1, 10, &err));
+        assert_true(ffp_film_add(&film, &picture, &err));
+        if (!ffp_film_commit(&film, &err)) fail_msg("%s", err.text);
+        if (!ffp_frames_open(&frames, in_scratch(names[i]), 10, &err)) fail_msg("%s", err.text);
+        assert_int_equal(ffp_frames_next(&frames, &frame, &err), 1);
+        assert_int_equal(frame.width, 35);
+        assert_int_equal(frame.height, 21);
+        ffp_frames_close(&frames);
+    }
+    ffp_image_free(&picture);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(films_of_many_kinds),
-                                       cmocka_unit_test(animated_pictures)};
+                                       cmocka_unit_test(animated_pictures),
+                                       cmocka_unit_test(films_keep_their_size)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

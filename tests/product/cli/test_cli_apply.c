@@ -362,6 +362,47 @@ static void check_forward_map(const FfpView *view, const FfpImage *map) {
     assert_true(near > 0.95 * count);
 }
 
+// The STMap holds the map of pixels as shares, v from below, and the mesh the same at its corners.
+static void check_warp(const FfpView *view) {
+    char name[256], line[256];
+    FfpImage map, shares;
+    FfpError err = {0};
+    snprintf(name, sizeof name, "maps/%s_projector_to_camera.exr", view->id);
+    assert_true(ffp_image_read(&map, in_scratch(name), FFP_COLOUR_LINEAR, &err));
+    snprintf(name, sizeof name, "maps/%s_stmap.exr", view->id);
+    assert_true(ffp_image_read(&shares, in_scratch(name), FFP_COLOUR_LINEAR, &err));
+    assert_int_equal(shares.width, view->projector.width);
+    int seen = 0;
+    for (int i = 0; i < map.width * map.height; i++) {
+        const real *pixel = map.data + 4 * i, *share = shares.data + 4 * i;
+        assert_true((share[3] > 0) == (pixel[0] >= 0));
+        if (pixel[0] < 0) continue;
+        seen++;
+        assert_true(fabs((double)(share[0] * (real)view->camera.width - pixel[0])) < 1e-2);
+        assert_true(fabs((double)((1 - share[1]) * (real)view->camera.height - pixel[1])) < 1e-2);
+    }
+    assert_true(seen > 100);
+    snprintf(name, sizeof name, "maps/%s_warp.obj", view->id);
+    FILE *file = fopen(in_scratch(name), "r");
+    double x = 0, y = 0, u, v;
+    int corners = 0, faces = 0;
+    while (fgets(line, sizeof line, file)) {
+        char *rest = line + 2;
+        faces += line[0] == 'f';
+        if (strncmp(line, "v ", 2) == 0) x = strtod(rest, &rest), y = strtod(rest, &rest);
+        if (strncmp(line, "vt ", 3) != 0) continue;
+        u = strtod(rest, &rest), v = strtod(rest, &rest);
+        const int column = (int)(x * map.width), row = (int)((1 - y) * map.height);
+        const real *share = shares.data + 4 * (row * map.width + column);
+        assert_true(fabs(u - (double)share[0]) < 1e-5 && fabs(v - (double)share[1]) < 1e-5);
+        corners++;
+    }
+    fclose(file);
+    assert_true(corners > 50 && faces > 50);
+    ffp_image_free(&map);
+    ffp_image_free(&shares);
+}
+
 static void maps_of_a_generated_scene_go_there_and_back(void **state) {
     (void)state;
     FfpCapture capture;
@@ -381,6 +422,8 @@ static void maps_of_a_generated_scene_go_there_and_back(void **state) {
                                         "camera_to_projector.png",
                                         "projector_to_camera.exr",
                                         "projector_to_camera.png",
+                                        "stmap.exr",
+                                        "warp.obj",
                                         "projector_sees.png",
                                         "lit.png",
                                         "density.exr",
@@ -396,6 +439,7 @@ static void maps_of_a_generated_scene_go_there_and_back(void **state) {
     snprintf(name, sizeof name, "maps/%s_camera_to_projector.exr", view->id);
     if (!ffp_image_read(&map, in_scratch(name), FFP_COLOUR_LINEAR, &err)) fail_msg("%s", err.text);
     check_forward_map(view, &map);
+    check_warp(view);
     ffp_image_free(&map);
     ffp_capture_free(&capture);
 }

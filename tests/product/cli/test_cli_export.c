@@ -393,16 +393,17 @@ static int open_edges(const char *name, int *faces) {
     assert_non_null(file);
     *faces = 0;
     while (fgets(line, sizeof line, file)) {
-        unsigned v[4];
+        unsigned v[3];
         char *at = line + 1;
         if (strncmp(line, "f ", 2) != 0) continue;
-        for (int k = 0; k < 4; k++) {
+        for (int k = 0; k < 3; k++) {
             v[k] = (unsigned)strtoul(at, &at, 10);
             assert_true(strncmp(at, "//", 2) == 0 && strtoul(at + 2, &at, 10) == v[k]);
         }
+        assert_int_equal(*at, '\n'); // a triangle
         ++*faces;
-        for (int k = 0; k < 4; k++) {
-            const unsigned a = v[k], b = v[(k + 1) % 4], low = a < b ? a : b, high = a < b ? b : a;
+        for (int k = 0; k < 3; k++) {
+            const unsigned a = v[k], b = v[(k + 1) % 3], low = a < b ? a : b, high = a < b ? b : a;
             table[(low * 2654435761U ^ high * 40503U) % ROOM] += a < b ? 1 : -1;
         }
     }
