@@ -128,8 +128,8 @@ void ffp_findings_merge(FfpFindings *findings) {
             const bool alike = k != i && strcmp(other->code, f->code) == 0 &&
                                (!f->view || !other->view || strcmp(other->view, f->view) == 0);
             needed = !alike || (k < kept ? other->severity < f->severity : other->severity <= f->severity);
-            // The checks look into each note from before the work.
-            if (f->severity == FFP_FINDING_NOTE && other->severity > f->severity)
+            // What is worse explains the rest of its subject; what was measured right stays.
+            if (f->severity != FFP_FINDING_OK && other->severity > f->severity)
                 needed = needed && strcmp(other->subject, f->subject) != 0;
         }
         if (needed) findings->items[kept++] = *f;

@@ -23,7 +23,8 @@ void ffp_findings_free(FfpFindings *findings);
 
 // Adds a finding. False if it is a fault, so that a check can `return ffp_found(...)`.
 bool ffp_found(FfpFindings *findings, FfpRuleId rule, const FfpFacts *facts);
-// Of several findings of one code, the most severe stays; notes give way to doubts of their subject.
+// Of several findings of one code, the most severe stays; notes give way to doubts of their subject, and both
+// to a fault.
 void ffp_findings_merge(FfpFindings *findings);
 // The fault among them; NULL: there is none.
 const FfpFinding *ffp_findings_fault(const FfpFindings *findings);

@@ -160,12 +160,12 @@ bool ffp_gray_find_plain(FfpGrayPhotographs *photographs, const char *const *fil
     if (ok) chosen = choose(&front, &back);
     const bool good = ok && check_range(chosen ? chosen : &front, photographs, err) &&
                       (chosen || fail_plain(&front, &back, photographs, err));
-    if (good) {
+    if (good && chosen) {
         photographs->codes = files + (chosen == &front ? 2 : 0);
         photographs->black = chosen->files[chosen->turned ? 1 : 0];
         photographs->white = chosen->files[chosen->turned ? 0 : 1];
     }
-    if (good && photographs->cache) {
+    if (good && chosen && photographs->cache) {
         keep_plain(photographs->cache, &front, photographs->white);
         keep_plain(photographs->cache, &back, photographs->white);
     }

@@ -65,7 +65,8 @@ static bool add_subjects(FfpPhotographing *job, FfpError *err) {
     const int views = job->spec->views, attitudes = job->shown.n_codes > 0 ? job->options->attitudes : 0,
               stops = attitudes > 0 ? FFP_BOARD_STOPS : 0;
     const int boards = room ? views + BETWEEN + 1 : views; // the streams of a room are in another order
-    job->subjects = ffp_alloc((size_t)(views + BETWEEN + 1 + attitudes + stops), sizeof *job->subjects);
+    job->subjects =
+        ffp_alloc((size_t)views + BETWEEN + 1 + (size_t)attitudes + (size_t)stops, sizeof *job->subjects);
     for (int i = 0; i < views; i++) add_object(job, FFP_SUBJECT_STOP, i, 360.0 * i / views);
     for (int i = 0; i < BETWEEN && room; i++) add_object(job, FFP_SUBJECT_BETWEEN, views + i, between[i]);
     add_boards(job, attitudes, stops, boards);

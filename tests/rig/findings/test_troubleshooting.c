@@ -58,11 +58,27 @@ static void templates_are_filled(void **state) {
     ffp_findings_free(&found);
 }
 
+// What a fault explains, no doubt or note of its subject says once more.
+static void what_is_worse_speaks_for_its_subject(void **state) {
+    (void)state;
+    static const FfpRuleId given[] = {FFP_RULE_VIEWS_CONTRADICT, FFP_RULE_CLIPPED, FFP_RULE_VIEW_TURNED,
+                                      FFP_RULE_NOTE_CLIPPED};
+    FfpFindings found = {0};
+    for (size_t i = 0; i < sizeof given / sizeof *given; i++)
+        ffp_found(&found, given[i], &(FfpFacts){.view = i == 2 ? "045" : NULL, .a = "mirrored"});
+    ffp_findings_merge(&found);
+    assert_int_equal(found.count, 2);
+    assert_string_equal(found.items[0].code, "clipped");
+    assert_string_equal(found.items[1].code, "view-turned");
+    ffp_findings_free(&found);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_page_is_that_of_the_rules),
         cmocka_unit_test(every_rule_has_its_words),
         cmocka_unit_test(templates_are_filled),
+        cmocka_unit_test(what_is_worse_speaks_for_its_subject),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
