@@ -6,7 +6,7 @@ const PICTURE_SIDE_MAX = 16384, PICTURE_PIXELS_MAX = 100e6;
 
 class Message extends Error {} // an error whose text is shown to the user
 
-const HEAD = 65536, JPEG_SEGMENTS_MAX = 4096;
+const HEAD = 65536, SVG_SIDE = 2048, JPEG_SEGMENTS_MAX = 4096;
 
 // The size given by the header of a PNG, GIF, WebP, BMP or AVIF file; null for other files.
 function sizeInHead(bytes) {
@@ -195,29 +195,89 @@ function startVideo(video, name) {
   });
 }
 
-// A file, dropped, pasted or chosen, as content.
-async function contentOfFile(file) {
-  const name = file.name || 'The picture';
-  if (!file.size) throw new Message(`${name} is empty.`);
-  if (file.type.startsWith('video/')) {
-    const url = URL.createObjectURL(file), video = document.createElement('video');
-    video.src = url;
-    try {
-      await startVideo(video, name);
-    } catch (error) {
-      URL.revokeObjectURL(url);
-      throw error;
-    }
-    return new VideoContent(name, video, () => { video.pause(); URL.revokeObjectURL(url); });
+// A GIF, animated PNG or WebP, in the order of its frames; ends: when each does, in milliseconds.
+class AnimationContent {
+  constructor(name, frames, ends) { this.name = name, this.frames = frames, this.ends = ends, this.begun = performance.now(); }
+  get live() { return this.stopped === undefined; }
+  draw(context, width, height, fit) {
+    const at = (this.live ? performance.now() - this.begun : this.stopped) % this.ends.at(-1), frame = this.frames[this.ends.findIndex((end) => at < end)];
+    context.drawImage(frame, ...placeOf(frame.width, frame.height, width, height, fit));
   }
+  free() { if (!this.shared) this.frames.forEach((frame) => frame.close()); }
+  toggle() {
+    const now = performance.now();
+    if (this.live) this.stopped = now - this.begun;
+    else this.begun = now - this.stopped, this.stopped = undefined;
+  }
+}
+
+const ANIMATED = /^image\/(gif|png|apng|webp)$/, FRAME_LEAST = 20; // ms
+
+// Its frames, if the browser takes animations apart; null for a picture alone.
+async function contentOfAnimation(file, name) {
+  const type = file.type === 'image/apng' ? 'image/png' : file.type;
+  if (typeof ImageDecoder === 'undefined' || !ANIMATED.test(type)) return null;
+  const decoder = new ImageDecoder({data: await file.arrayBuffer(), type}), frames = [], ends = [];
+  try {
+    await Promise.all([decoder.tracks.ready, decoder.completed]);
+    const count = decoder.tracks.selectedTrack.frameCount;
+    for (let i = 0, end = 0; count > 1 && i < count; i++) {
+      const {image} = await decoder.decode({frameIndex: i});
+      if (count * image.displayWidth * image.displayHeight > PICTURE_PIXELS_MAX) {
+        image.close();
+        throw new Message(`${name} has ${count} frames, which are more than this page holds: make a film of it.`);
+      }
+      ends.push(end += Math.max(FRAME_LEAST, (image.duration || 0) / 1000));
+      frames.push(await createImageBitmap(image));
+      image.close();
+    }
+  } catch (error) {
+    frames.splice(0).forEach((frame) => frame.close());
+    if (error instanceof Message) throw error;
+  } finally {
+    decoder.close();
+  }
+  return frames.length ? new AnimationContent(name, frames, ends) : null;
+}
+
+async function contentOfFilm(file, name) {
+  const url = URL.createObjectURL(file), video = document.createElement('video');
+  video.src = url;
+  try {
+    await startVideo(video, name);
+  } catch (error) {
+    URL.revokeObjectURL(url);
+    throw error;
+  }
+  return new VideoContent(name, video, () => { video.pause(); URL.revokeObjectURL(url); });
+}
+
+// A drawing, with or without declarations before it, as large as projectors are.
+async function bitmapOfSvg(file) {
+  const head = await file.slice(0, HEAD).text();
+  if (!/^\uFEFF?\s*<[?!s]/.test(head) || !/<svg[\s>]/.test(head)) return null;
+  const url = URL.createObjectURL(new Blob([file], {type: 'image/svg+xml'})), image = new Image();
+  try {
+    image.src = url;
+    await image.decode();
+    const width = image.naturalWidth || 300, height = image.naturalHeight || 150, s = Math.max(1, SVG_SIDE / Math.max(width, height));
+    checkSize(file.name, [width, height]);
+    const canvas = new OffscreenCanvas(Math.round(width * s), Math.round(height * s));
+    canvas.getContext('2d').drawImage(image, 0, 0, canvas.width, canvas.height);
+    return canvas.transferToImageBitmap();
+  } finally {
+    URL.revokeObjectURL(url);
+  }
+}
+
+// Decoded to sRGB, whatever its profile.
+async function contentOfPicture(file, name) {
   const size = await sizeOfFile(file);
   if (size) checkSize(name, size);
-  let bitmap = null;
-  try {
-    bitmap = await createImageBitmap(file, {colorSpaceConversion: 'none'});
-  } catch {
-    throw new Message(`${name} is neither a picture nor a film that this browser reads.`);
-  }
+  const animation = await contentOfAnimation(file, name);
+  if (animation) return animation;
+  const bitmap = await createImageBitmap(file).catch(() => bitmapOfSvg(file).catch((error) => { if (error instanceof Message) throw error; }));
+  if (!bitmap) return null;
   try {
     checkSize(name, [bitmap.width, bitmap.height]);
   } catch (error) {
@@ -225,6 +285,16 @@ async function contentOfFile(file) {
     throw error;
   }
   return new PictureContent(name, bitmap);
+}
+
+// A file, dropped, pasted or chosen, as content. Systems do not know the type of every film.
+async function contentOfFile(file) {
+  const name = file.name || 'The picture';
+  if (!file.size) throw new Message(`${name} is empty.`);
+  if (file.type.startsWith('video/')) return contentOfFilm(file, name);
+  const picture = await contentOfPicture(file, name);
+  if (picture) return picture;
+  return contentOfFilm(file, name).catch(() => { throw new Message(`${name} is neither a picture nor a film that this browser reads.`); });
 }
 
 async function contentOfWebcam() {

@@ -72,12 +72,12 @@ def psnr(a, b, channels_a=3, channels_b=3):
     return 10 * math.log10(255 ** 2 * 3 * pixels / total) if total else 99.0
 
 
-def two_colours():
+def two_colours(kind="webm"):
     """A film that is red for 0.6 s, then blue as long; nothing where ffmpeg is not installed."""
     if not shutil.which("ffmpeg"):
         return b""
     halves = [part for colour in ("red", "blue") for part in ("-f", "lavfi", "-i", f"color={colour}:s=96x64:d=0.6:r=20")]
-    return subprocess.run(["ffmpeg", "-loglevel", "error", *halves, "-filter_complex", "concat", "-f", "webm", "-"], check=True,
+    return subprocess.run(["ffmpeg", "-loglevel", "error", *halves, "-filter_complex", "concat", "-f", kind, "-"], check=True,
                           stdout=subprocess.PIPE).stdout
 
 
@@ -678,10 +678,25 @@ def check_contents(check, page, folder):
              base64.b64encode(png(32, 32, lambda x, y: (250, 0, 250))).decode())
     page.wait("viewer.projector.content.name === 'pasted.png'", 30)
     check("a picture is pasted", change(wide, page.pixels()) > 1)
+    svg = b"""<?xml version="1.0" encoding="UTF-8"?>\n<!-- drawn -->\n<svg xmlns="http://www.w3.org/2000/svg" width="40" height="40">""" + \
+          b"""<rect width="40" height="40" fill="#00f"/></svg>"""
+    page.drop("drawn.svg", "image/svg+xml", svg)
+    page.wait("viewer.projector.content.name === 'drawn.svg'", 30)
+    check("a drawing with a declaration", change(wide, page.pixels()) > 1)
     film = two_colours()
     if not film:
         print("skipped: ffmpeg is not here")
         return
+    gif = two_colours("gif")
+    page.drop("two.gif", "image/gif", gif)
+    page.wait("viewer.projector.content.name === 'two.gif'", 30)
+    halves = page.run("""(() => { const c = viewer.projector.content, canvas = new OffscreenCanvas(8, 8), context = canvas.getContext('2d', {willReadFrequently: true});
+        return [0.2, 0.7].map((share) => { c.stopped = share * c.ends.at(-1); c.draw(context, 8, 8, 'stretch');
+            return context.getImageData(4, 4, 1, 1).data.join(); }); })()""")
+    check("a GIF moves", len(set(halves)) == 2, " ".join(halves))
+    page.drop("untyped.webm", "", film)
+    page.wait("viewer.projector.content.name === 'untyped.webm'", 30)
+    check("a film without a type", page.run("!!viewer.projector.content.video"))
     page.drop("film.webm", "video/webm", film)
     page.wait("viewer.projector.content.name === 'film.webm'", 30)
     page.run("viewer.projector.content.video.pause(); true")
