@@ -267,12 +267,12 @@ static void other_light_is_told(void **state) {
     free_room(room);
 }
 
-static char warned[1024]; // by the last call
+static char told[1024]; // by the last call: codes and views
 
-static void keep_warning(void *user, FfpLogLevel level, const char *text) {
+static void keep_finding(void *user, const FfpFinding *f) {
     (void)user;
-    const size_t length = strlen(warned);
-    if (level == FFP_LOG_WARNING) snprintf(warned + length, sizeof warned - length, "%s\n", text);
+    const size_t length = strlen(told);
+    snprintf(told + length, sizeof told - length, "%s %s;", f->code, f->view ? f->view : "");
 }
 
 static bool compare_with_stage(void *room, FfpError *e) {
@@ -284,11 +284,11 @@ static bool compare_with_stage(void *room, FfpError *e) {
 }
 
 // What is said of the room's stage.
-static const char *warning_of(Room *room) {
-    FfpContext context = {.settings = {.log = keep_warning}};
-    warned[0] = 0;
+static const char *told_of(Room *room) {
+    FfpContext context = {.settings = {.finding = keep_finding}};
+    told[0] = 0;
     assert_true(ffp_call_run(&context, compare_with_stage, room, &err));
-    return warned;
+    return told;
 }
 
 // Picture content to the right by n pixels; what leaves comes back on the left.
@@ -305,27 +305,24 @@ static void what_changed_since_the_stage_is_named(void **state) {
     (void)state;
     Room *room = new_room(true);
     FfpImage *images = room->stage.images;
-    assert_string_equal(warning_of(room), "");
+    assert_string_equal(told_of(room), "");
     for (int p = 0; p < PATTERNS; p++) push(&room->capture.views[3].images[p], 4);
     snprintf(room->capture.views[3].id, FFP_NAME_MAX, "135");
-    assert_non_null(strstr(warning_of(room), "view '135' was photographed from another place: the empty "
-                                             "stage looks like it if it is moved by 4, 0 pixels"));
-    assert_null(strchr(strchr(warned, '\n') + 1, '\n')); // and nothing else
+    assert_string_equal(told_of(room), "view-elsewhere 135;");
     for (int p = 0; p < PATTERNS; p++) push(&room->capture.views[3].images[p], WIDTH - 4);
     for (int p = 0; p < PATTERNS; p++) push(&images[p], 4);
-    assert_non_null(strstr(warning_of(room), "the empty stage was photographed from another place"));
-    assert_non_null(strstr(warned, "moved by -4, 0 pixels"));
+    assert_non_null(strstr(told_of(room), "stage-elsewhere"));
     for (int p = 0; p < PATTERNS; p++) push(&images[p], WIDTH - 4);
     for (int p = 0; p < PATTERNS; p++)
         for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) images[p].data[i] += 0.01F;
-    assert_non_null(strstr(warning_of(room), "was a lamp switched since, or did daylight change?"));
-    assert_null(strstr(warned, "another place"));
+    assert_non_null(strstr(told_of(room), "stage-light"));
+    assert_null(strstr(told, "elsewhere"));
     free_room(room);
 }
 
 static void an_exchanged_stage_is_refused(void **state) {
     (void)state;
-    FfpContext context = {.settings = {.log = keep_warning}};
+    FfpContext context = {.settings = {.finding = keep_finding}};
     Room *room = new_room(true);
     FfpImage *images = room->stage.images, black = images[0];
     images[0] = images[1], images[1] = black;
