@@ -4,6 +4,7 @@
 typedef struct Arguments {
     const char *gaussians, *capture;
     FfpPage page;
+    int up;
 } Arguments;
 
 static int run(void *data) {
@@ -14,7 +15,8 @@ static int run(void *data) {
     FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
     FfpCapture *capture =
         gaussians ? ffp_capture_open_devices(ffp_cli_context(), arguments->capture, true, &err) : NULL;
-    if (capture) ok = ffp_write_page(ffp_cli_context(), gaussians, capture, &arguments->page, &stats, &err);
+    if (capture && ffp_cli_turn(gaussians, arguments->gaussians, capture, arguments->up, &err))
+        ok = ffp_write_page(ffp_cli_context(), gaussians, capture, &arguments->page, &stats, &err);
     if (ok)
         printf("%s: %lld Gaussians, %d pattern%s, %d photograph%s, %.1f MB; open it in a browser\n",
                arguments->page.file, (long long)stats.gaussians, stats.patterns, FFP_CLI_S(stats.patterns),
@@ -40,6 +42,7 @@ static const FfpOption options[] = {
      .required = true,
      .offset = offsetof(Arguments, page.file),
      .help = "the page"},
+    FFP_CLI_UP(offsetof(Arguments, up)),
     {.name = "poses",
      .argument = "FILE",
      .type = FFP_OPTION_FILE,

@@ -90,7 +90,7 @@ static void bash_completes_commands_options_and_values(void **state) {
     completes("ffprocams re", "reconstruct refine render");
     completes("ffprocams --v", "--version");
     completes("ffprocams render --po", "--poses");
-    completes("ffprocams map --", "--capture --output --poses --view --drawing --samples --help");
+    completes("ffprocams map --", "--capture --output --poses --view --up --drawing --samples --help");
     completes("ffprocams render a.ply --drawing \"\"", "ours paper gs-procams");
     completes("ffprocams render a.ply --drawing = p", "paper");
     completes("ffprocams generate a --split =", "train validation test");
