@@ -31,7 +31,7 @@ int ffp_natural_order(const char *a, const char *b) {
     return (*a != 0) - (*b != 0);
 }
 
-static int compare_paths(const void *a, const void *b) {
+int ffp_compare_paths(const void *a, const void *b) {
     const char *x = *(char *const *)a, *y = *(char *const *)b;
     const int order = ffp_natural_order(x, y);
     return order != 0 ? order : strcmp(x, y); // "1.png" and "01.png"
@@ -151,7 +151,7 @@ static bool fill(const char *template, const Blanks *blanks, Specials specials, 
 
 // --- Files. ---
 
-static bool tells_view(const char *text) {
+bool ffp_files_by_view(const char *text) {
     return strstr(text, "{view}") || strstr(text, "{index") || strstr(text, "{number") != NULL;
 }
 
@@ -191,25 +191,17 @@ static bool find_files(glob_t *found, const FfpFileSet *set, const Blanks *blank
                      "no file matches (.JPG is not .jpg), or the folder cannot be read"));
 }
 
-// The last number in a file's name; -1: none.
-static int number_in(const char *path) {
-    const char *name = ffp_basename(path),
-               *end = strrchr(name, '.') ? strrchr(name, '.') : name + strlen(name);
-    while (end > name && !isdigit((unsigned char)end[-1])) end--;
-    const char *begin = end;
-    while (begin > name && isdigit((unsigned char)begin[-1])) begin--;
-    return end > begin && end - begin < 9 ? (int)strtol(begin, NULL, 10) : -1;
-}
-
 // A view's files, fewer than its names, in their places; false: their numbers do not tell these.
 static bool place_some(const char **paths, FfpArena *arena, const FfpFileSet *set, const Part *part,
                        char *const *found, size_t n) {
     const bool whole_view = set->gaps && part->count == set->n_names && part->stride == 1;
-    const int first = n > 0 ? number_in(found[0]) : -1, last = n > 0 ? number_in(found[n - 1]) : -1;
+    int digits;
+    const long first = n > 0 ? last_number(found[0], &digits) : -1,
+               last = n > 0 ? last_number(found[n - 1], &digits) : -1;
     if (!whole_view || first < 0 || last - first + 1 > part->count || (int)n > part->count) return false;
     const int apart = 2 * (int)n == part->count && last - first + 1 == (int)n ? 2 : 1;
     for (size_t i = 0; i < n; i++) {
-        const int at = apart * (number_in(found[i]) - first);
+        const long at = apart * (last_number(found[i], &digits) - first);
         if (at < 0 || at >= part->count || paths[part->at + at]) return false;
         paths[part->at + at] = ffp_arena_text(arena, found[i]);
     }
@@ -230,7 +222,7 @@ static bool match(const char **paths, FfpArena *arena, const FfpFileSet *set, co
         return false;
     }
     ffp_own(found, free_glob);
-    qsort(found->gl_pathv, found->gl_pathc, sizeof *found->gl_pathv, compare_paths);
+    qsort(found->gl_pathv, found->gl_pathc, sizeof *found->gl_pathv, ffp_compare_paths);
     const char **names = (const char **)found->gl_pathv;
     int twins = 0;
     const int twin = ffp_find_twins(names, (int)found->gl_pathc, &twins);
@@ -283,7 +275,7 @@ static bool has_wildcards(const char *template, const char *path) {
 
 static bool find_all(const char **paths, FfpArena *arena, const FfpFileSet *set, FfpError *err) {
     const int stops = set->calibration->n_stops, n = set->n_names;
-    Part part = {.by_view = tells_view(set->template),
+    Part part = {.by_view = ffp_files_by_view(set->template),
                  .by_name = set->names && strstr(set->template, "{pattern}")};
     const int views = part.by_view ? stops : 1, names = part.by_name ? n : 1;
     part.count = stops / views * (n / names);

@@ -7,6 +7,10 @@
 
 // Whether a comes before b when runs of digits count as numbers: "img_9" before "img_10".
 int ffp_natural_order(const char *a, const char *b);
+// The same of two paths, for qsort; "1.png" and "01.png" have an order, too.
+int ffp_compare_paths(const void *a, const void *b);
+// Whether placeholders of a template tell views apart.
+bool ffp_files_by_view(const char *template);
 
 // Files in natural order, [n], of a camera whose numbers began again (9999, 0001): the part before that comes
 // first, with a note.

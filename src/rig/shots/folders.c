@@ -18,12 +18,6 @@ static void close_folder(void *folder) {
     closedir(folder);
 }
 
-static int compare(const void *a, const void *b) {
-    const char *x = *(const char *const *)a, *y = *(const char *const *)b;
-    const int order = ffp_natural_order(x, y);
-    return order != 0 ? order : strcmp(x, y); // "1.png" and "01.png"
-}
-
 static bool check_names(const char *folder, const char **files, int n, FfpError *err) {
     int twins;
     const int twin = ffp_find_twins(files, n, &twins);
@@ -55,7 +49,7 @@ static bool list(FfpArena *arena, const char *folder, bool folders, const char *
         if (ok) found[(*n)++] = ffp_arena_text(arena, path);
     }
     ffp_disown(directory), closedir(directory);
-    qsort(found, (size_t)*n, sizeof *found, compare);
+    qsort(found, (size_t)*n, sizeof *found, ffp_compare_paths);
     if (ok && !folders) ok = check_names(folder, found, *n, err);
     *paths = found;
     return ok;

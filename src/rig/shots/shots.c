@@ -209,7 +209,7 @@ static int known_pattern(const FfpShots *shots, const char *name) {
 static bool find_empty_files(const char **paths, FfpShots *shots, const FfpImportImages *source,
                              const FfpCalibration *calibration, FfpError *err) {
     const char *files = source->files;
-    const bool by_view = strstr(files, "{view}") || strstr(files, "{index") || strstr(files, "{number");
+    const bool by_view = ffp_files_by_view(files);
     const int n = source->n_patterns, stops = calibration->n_stops;
     const FfpFileSet set = {
         files, calibration, source->patterns, n, "photographs of the empty stage", "pattern", "", false};

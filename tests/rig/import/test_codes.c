@@ -865,7 +865,7 @@ static const Fault faults[] = {
     {SWAP("black.png", "white.png"),
      NULL,
      {"white is darker than black: they seem to be swapped", "white.png"}},
-    {"cp black.png white.png", NULL, {"nothing is lit", "white.png"}},
+    {"cp black.png white.png", NULL, {"'black.png' and 'white.png' show the same", "white.png"}},
     {"true", same_plain, {"is named twice: view '000' under 'black' and under 'white'", "white.png"}},
     {"cp ../spare/full.png white.png && cp ../spare/full.png black.png",
      NULL,
