@@ -65,6 +65,8 @@ ffp_room(turntable DEPS checks findings chessboard shots optics match capture im
 ffp_room(response DEPS match capture image numerics base)
 # photographs into captures: the order of the steps
 ffp_room(import DEPS response checks findings masks turntable shots graycode optics patterns capture image base)
+# a calibration without a board: a walking camera and a projector from the codes on anything
+ffp_room(selfcal CALLS DEPS chessboard shots graycode optics findings image numerics base)
 # the rig's own calibration: the order of its steps, its files and report
 ffp_room(calibrate CALLS DEPS turntable chessboard optics capture base)
 
@@ -72,7 +74,7 @@ ffp_wing(world) # objects and rigs that do not exist
 # shapes, generated or read, as meshes; solid noise
 ffp_room(shapes DEPS numerics base READERS mesh_file)
 # materials, rig and light simulator; scenes and data sets
-ffp_room(synth DEPS shapes patterns capture image base LIBS PkgConfig::JANSSON)
+ffp_room(synth DEPS optics shapes patterns capture image base LIBS PkgConfig::JANSSON)
 
 ffp_wing(lab) # training, measuring, comparing
 # steps, optimiser, checkpoints, validation
@@ -93,7 +95,7 @@ ffp_room(export CALLS DEPS pipeline apply render gaussians capture image numeric
 # what a file holds, as text for people
 ffp_room(describe CALLS DEPS checks findings masks baselines network gaussians capture base)
 # the calls of the public header, one file per call: arguments checked, the call entered, structs translated, one function called
-ffp_room(api CALLS DEPS describe eval pipeline bench view export calibrate import checks findings baselines train synth patterns loss render
+ffp_room(api CALLS DEPS describe eval pipeline bench view export selfcal calibrate import checks findings baselines train synth patterns loss render
          network gaussians capture image base cuda LIBS PkgConfig::JANSSON PkgConfig::ZLIB)
 # the ranks of an MPI job: part of the program where it is built with MPI
 ffp_room(cluster IN library.cmake)

@@ -790,7 +790,8 @@ typedef struct FfpGeneration {
     // Folder of patterns (ffp_write_patterns): instead of captures, write photographs of one object on a
     // turntable under all of them, and of a chessboard, taken by a rig with lenses, to `folder`, which must
     // be new or empty (docs/design/data.md, "Photographs"). Only the preset's samples are used; `resolution`
-    // is the photographs' height (0: 480). NULL: write captures.
+    // is the photographs' height (0: 480). With FFP_RIG_WALK of a whole scene, from `views` places of the
+    // camera. NULL: write captures.
     const char *photographs;
     int attitudes; // of the chessboard, at most 64; 0: no chessboard
     // One folder of the photographs, the same as among all of them: view-DDD (DDD being one of `views` even
@@ -887,6 +888,36 @@ typedef struct FfpRigCalibrationStats { // errors in pixels are root mean square
 // been found. Fails with FFP_ERROR_UNSUPPORTED if the library was built without OpenCV. `stats` may be NULL.
 FFP_API bool ffp_calibrate_rig(FfpContext *context, const FfpRigCalibration *options,
                                FfpRigCalibrationStats *stats, FfpError *err);
+
+// A projector that stands still, and a camera at two places or more before anything that is not flat.
+typedef struct FfpSelfCalibration {
+    // Folders of the photographs of one place of the camera each, or folders of such folders, as
+    // FfpRigCalibration.attitudes: black, white and the Gray codes.
+    const char *const *places;
+    int n_places;       // up to 64
+    int width, height;  // of the projector's panel, pixels, 64 to 16384
+    const char *shown;  // as FfpRigCalibration.shown, or NULL
+    double focal_35mm;  // the camera's focal length as that of a 35 mm camera, mm, where it is known; 0: not
+    double length;      // distance of the first two places in the unit that is wanted; 0: it is the unit
+    const char *folder; // for the calibration: COLMAP's text model, in a new or empty folder
+} FfpSelfCalibration;
+FFP_API FfpSelfCalibration ffp_self_calibration_defaults(void); // nothing named, 1920 x 1080
+
+typedef struct FfpSelfCalibrationStats {
+    int places, used, points;                     // of the camera; of the surface
+    double rms;                                   // of the points in the photographs, pixels
+    double camera_focal, projector_focal;         // pixels
+    double camera_uncertain, projector_uncertain; // standard deviations, as shares of them
+    double turn_uncertain;                        // of the places' directions, degrees, the largest
+    double parallax; // degrees between the outermost cameras that see a point, median
+} FfpSelfCalibrationStats;
+// Finds optics and poses of projector and camera from the positions that the codes give, without a board: all
+// places see the same points of the surface by the same codes, which a bundle adjustment explains (Triggs et
+// al. 2000). Nothing is written until everything has been found. Fails where the photographs do not determine
+// it, and says what to photograph; with FFP_ERROR_UNSUPPORTED if the library was built without OpenCV.
+// `stats` may be NULL.
+FFP_API bool ffp_self_calibrate(FfpContext *context, const FfpSelfCalibration *options,
+                                FfpSelfCalibrationStats *stats, FfpError *err);
 
 // --- Import of photographs and calibrations from other tools. ---
 

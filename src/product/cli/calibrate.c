@@ -12,7 +12,8 @@ typedef struct Arguments {
     FfpList attitudes, calibrations;
     FfpAngles angles;
     FfpRigCalibration rig;
-    bool json;
+    bool json, without_board;
+    double focal_35mm, length;
 } Arguments;
 
 static void set_defaults(void *data) {
@@ -103,9 +104,58 @@ static void tell_default(const FfpRigCalibration *rig) {
             rig->height);
 }
 
+// --- Without a board. ---
+
+static void print_places(const FfpSelfCalibration *o, const FfpSelfCalibrationStats *s) {
+    printf("%s: %d of %d places, %d points, rms %.3f pixels; %.1f degrees between the outermost\n", o->folder,
+           s->used, s->places, s->points, s->rms, s->parallax);
+    printf("focal lengths: camera %.1f pixels (+- %.2f %%), projector %.1f (+- %.2f %%); places turned "
+           "within %.3f "
+           "degrees\n",
+           s->camera_focal, 100 * s->camera_uncertain, s->projector_focal, 100 * s->projector_uncertain,
+           s->turn_uncertain);
+    printf("import with -c %s --scene\n", o->folder);
+}
+
+static void print_places_json(const FfpSelfCalibration *o, const FfpSelfCalibrationStats *s) {
+    json_t *all = json_pack("{s:s, s:i, s:i, s:i, s:f, s:f, s:{s:f, s:f}, s:{s:f, s:f}, s:f}", "folder",
+                            o->folder, "places", s->places, "used", s->used, "points", s->points, "rms",
+                            s->rms, "parallax", s->parallax, "camera", "focal", s->camera_focal, "uncertain",
+                            s->camera_uncertain, "projector", "focal", s->projector_focal, "uncertain",
+                            s->projector_uncertain, "turn_uncertain", s->turn_uncertain);
+    json_object_set(all, "findings", ffp_cli_keep_findings());
+    json_dumpf(all, stdout, JSON_INDENT(1) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(9));
+    putchar('\n');
+    json_decref(all);
+}
+
+static int run_without_board(const Arguments *arguments) {
+    const FfpRigCalibration *rig = &arguments->rig;
+    FfpSelfCalibration o = ffp_self_calibration_defaults();
+    FfpSelfCalibrationStats stats;
+    FfpError err = {0};
+    if (rig->width > 0) o.width = rig->width, o.height = rig->height;
+    o.shown = rig->shown, o.folder = rig->file;
+    o.focal_35mm = arguments->focal_35mm, o.length = arguments->length;
+    o.places = arguments->attitudes.values, o.n_places = arguments->attitudes.count;
+    if (rig->columns || rig->report || rig->seen || rig->turntable_board || rig->fix_camera ||
+        rig->fix_projector)
+        return ffp_cli_usage("calibrate", "--without-board takes none of the options of a board");
+    if (arguments->json) ffp_cli_keep_findings();
+    if (!ffp_self_calibrate(ffp_cli_context(), &o, &stats, &err)) return ffp_cli_fail(&err);
+    if (arguments->json)
+        print_places_json(&o, &stats);
+    else
+        print_places(&o, &stats);
+    return FFP_EXIT_OK;
+}
+
 static int run(void *data) {
     Arguments *arguments = data;
     FfpRigCalibration *rig = &arguments->rig;
+    if (arguments->without_board) return run_without_board(arguments);
+    if (rig->columns == 0 || rig->square == 0)
+        return ffp_cli_usage("calibrate", "--board and --square are required, or --without-board");
     const bool by_default = rig->width == 0 && !rig->shown && !rig->seen;
     if (by_default) {
         const FfpRigCalibration defaults = ffp_rig_calibration_defaults();
@@ -139,6 +189,7 @@ static int run(void *data) {
 
 #define RIG "camera and projector"
 #define TURNTABLE "turntable"
+#define WITHOUT "without a board: a camera that walks, a projector that stands"
 
 static const FfpOption options[] = {
     {.name = "json",
@@ -149,7 +200,6 @@ static const FfpOption options[] = {
     {.name = "board",
      .argument = "CxR",
      .type = FFP_OPTION_PARSED,
-     .required = true,
      .offset = offsetof(Arguments, rig),
      .parse = read_board,
      .takes = "columns x rows of corners (9x6)",
@@ -157,7 +207,6 @@ static const FfpOption options[] = {
     {.name = "square",
      .argument = "LENGTH",
      .type = FFP_OPTION_REAL,
-     .required = true,
      .offset = offsetof(Arguments, rig.square),
      .least = 1e-9,
      .most = 1e9,
@@ -216,6 +265,35 @@ static const FfpOption options[] = {
      .help = "hold this term fixed instead of fitting it; may be repeated. k1, k2, k3 and p (both tangential "
              "terms) become 0, centre is the middle of the picture, aspect makes pixels square. camera.k3 "
              "applies to the camera only"},
+    {.name = "without-board",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, without_board),
+     .group = WITHOUT,
+     .help = "the FOLDERs are of places of the camera, two or more, 10 to 20 degrees apart, before anything "
+             "that is "
+             "not flat: the scene itself. The projector stands still. --output is a new folder, COLMAP's "
+             "text model, "
+             "for `ffprocams import -c FOLDER --scene`"},
+    {.name = "lens",
+     .needs = "without-board",
+     .argument = "MM",
+     .type = FFP_OPTION_REAL,
+     .least = 5,
+     .most = 2000,
+     .offset = offsetof(Arguments, focal_35mm),
+     .group = WITHOUT,
+     .help = "the camera's focal length as that of a 35 mm camera, if it is known: photographs from few "
+             "places say "
+             "it less well"},
+    {.name = "length",
+     .needs = "without-board",
+     .argument = "L",
+     .type = FFP_OPTION_REAL,
+     .least = 1e-9,
+     .most = 1e9,
+     .offset = offsetof(Arguments, length),
+     .group = WITHOUT,
+     .help = "distance between the first two places, which sets the unit of length. Default: 1"},
     {.name = "turntable-board",
      .argument = "DIR",
      .type = FFP_OPTION_FOLDER,
@@ -253,7 +331,7 @@ static const FfpOption options[] = {
 const FfpCommand ffp_cli_calibrate = {
     .name = "calibrate",
     .group = FFP_CLI_CAPTURE,
-    .purpose = "calibrates a camera and a projector from photographs of a chessboard",
+    .purpose = "calibrates a camera and a projector, from photographs of a chessboard or of anything",
     .prose =
         "Put a flat printed chessboard in front of the rig in five to fifteen attitudes, tilted by 20 to 40 "
         "degrees, each "
@@ -268,7 +346,9 @@ const FfpCommand ffp_cli_calibrate = {
         "both devices are fitted, with lens distortion, and the motion between them. Corners and "
         "attitudes that "
         "do not fit are left out, and listed. docs/guide/own-rig.md shows how.\n"
-        "With --turntable-board, a chessboard that lies or stands on the turntable gives its axis.",
+        "With --turntable-board, a chessboard that lies or stands on the turntable gives its axis.\n"
+        "With --without-board nothing is printed, glued or measured: the codes on the scene itself say where "
+        "projector and camera are, as long as the camera stands at two places or more.",
     .positional = {.name = "FOLDER",
                    .least = 0,
                    .most = INT_MAX,
@@ -278,17 +358,20 @@ const FfpCommand ffp_cli_calibrate = {
                            "with their inverses. Or a folder of such folders"},
     .options = options,
     .examples =
-        (const FfpExample[]){{.command =
-                                  "ffprocams calibrate shots -o calibration.xml --board 9x6 --square 25 "
-                                  "\\\n    --projector 1280x800 "
-                                  "--report calibration.html"},
-                             {.about = "Then the axis of the turntable. The file holds the angles of these "
-                                       "photographs; if the object was photographed at others, give the six "
-                                       "numbers printed to import, -t AX,AY,AZ,PX,PY,PZ,8x45:",
-                              .command = "ffprocams calibrate -c calibration.xml --board 9x6 --square 25 "
-                                         "\\\n    --turntable-board table "
-                                         "--angles 12x30 --turntable-output axis.json"},
-                             {0}},
+        (const FfpExample[]){
+            {.command = "ffprocams calibrate shots -o calibration.xml --board 9x6 --square 25 "
+                        "\\\n    --projector 1280x800 "
+                        "--report calibration.html"},
+            {.about = "Then the axis of the turntable. The file holds the angles of these "
+                      "photographs; if the object was photographed at others, give the six "
+                      "numbers printed to import, -t AX,AY,AZ,PX,PY,PZ,8x45:",
+             .command = "ffprocams calibrate -c calibration.xml --board 9x6 --square 25 "
+                        "\\\n    --turntable-board table "
+                        "--angles 12x30 --turntable-output axis.json"},
+            {.about = "Without a board, from the photographs of a scene at three places of the camera:",
+             .command = "ffprocams calibrate places/1 places/2 places/3 --without-board "
+                        "\\\n    --shown patterns -o calibration"},
+            {0}},
     .size = sizeof(Arguments),
     .set_defaults = set_defaults,
     .run = run,

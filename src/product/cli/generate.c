@@ -180,7 +180,9 @@ static const FfpOption options[] = {
          "without it, in empty/, and, if there are Gray codes, of a "
          "chessboard of 9 x 6 corners for `calibrate`, in attitude-NN/ and turntable/. Camera and "
          "projector have lens distortion. Photographs are numbered like their patterns. truth.json holds "
-         "the true calibration. --resolution sets their height (480), --views the number of stops"},
+         "the true calibration. --resolution sets their height (480), --views the number of stops. With "
+         "--rig walk of a whole scene instead, from --views places of the camera, in place-NN/; colmap/ "
+         "holds the true calibration"},
     {.name = "attitudes",
      .needs = "photographs",
      .argument = "N",

@@ -68,3 +68,22 @@ bool ffp_cv_pair(const FfpCvViews *views, const FfpCvDevice *first, const FfpCvD
     const int threads = begin_alone();
     return end_alone(threads, module->pair(views, first, second, r, t, rms, whole, &m), &m, err);
 }
+
+bool ffp_cv_relative(const double *first, const double *second, int n, double tolerance, double r[9],
+                     double t[3], unsigned char *inside, bool *found, FfpError *err) {
+    FfpCvMessage m;
+    const FfpCvModule *module = load(err);
+    if (!module) return false;
+    const int threads = begin_alone();
+    return end_alone(threads, module->relative(first, second, n, tolerance, r, t, inside, found, &m), &m,
+                     err);
+}
+
+bool ffp_cv_pose(const double *points, const double *rays, int n, double tolerance, double r[9], double t[3],
+                 unsigned char *inside, bool *found, FfpError *err) {
+    FfpCvMessage m;
+    const FfpCvModule *module = load(err);
+    if (!module) return false;
+    const int threads = begin_alone();
+    return end_alone(threads, module->pose(points, rays, n, tolerance, r, t, inside, found, &m), &m, err);
+}

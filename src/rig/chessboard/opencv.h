@@ -62,6 +62,18 @@ bool ffp_cv_calibrate(const FfpCvViews *views, unsigned fixed, FfpCvDevice *devi
 bool ffp_cv_pair(const FfpCvViews *views, const FfpCvDevice *first, const FfpCvDevice *second, double r[9],
                  double t[3], double *rms, double *whole, FfpError *err);
 
+// The motion X_second = R X_first + t, |t| = 1, between two places of one camera that see the same n points
+// along rays (x, y, 1), [n,2] each, robustly (the five-point method of Nister 2004 in RANSAC): `inside` [n]
+// says which lie within `tolerance` of their epipolar lines, in front of both. *found is false where none
+// explains eight of them.
+bool ffp_cv_relative(const double *first, const double *second, int n, double tolerance, double r[9],
+                     double t[3], unsigned char *inside, bool *found, FfpError *err);
+
+// The motion X_camera = R X + t of a camera that sees n known points [n,3] along rays (x, y, 1), [n,2],
+// robustly: `inside` [n] says which lie within `tolerance`. *found is false where none explains six of them.
+bool ffp_cv_pose(const double *points, const double *rays, int n, double tolerance, double r[9], double t[3],
+                 unsigned char *inside, bool *found, FfpError *err);
+
 #ifdef __cplusplus
 }
 #endif

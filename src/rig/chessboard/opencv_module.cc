@@ -184,6 +184,50 @@ FfpCvOutcome fit_pair(const FfpCvViews *views, const FfpCvDevice *first, const F
     });
 }
 
+// OpenCV's rotation matrices and vectors, and our arrays.
+void store_motion(const cv::Mat &rotation, const cv::Mat &translation, double r[9], double t[3]) {
+    store(rotation, r, 9);
+    store(translation, t, 3);
+}
+
+FfpCvOutcome relative(const double *first, const double *second, int n, double tolerance, double r[9],
+                      double t[3], unsigned char *inside, bool *found, FfpCvMessage *message) {
+    *found = false;
+    return guarded("finding how two places of the camera lie", message, [&] {
+        if (n < 8) return;
+        const cv::Mat a(n, 1, CV_64FC2, const_cast<double *>(first)),
+            b(n, 1, CV_64FC2, const_cast<double *>(second)), unit = cv::Mat::eye(3, 3, CV_64F);
+        cv::Mat mask, rotation, translation;
+        const cv::Mat essential = cv::findEssentialMat(a, b, unit, cv::RANSAC, 0.9999, tolerance, mask);
+        if (essential.rows != 3 || essential.cols != 3) return;
+        if (cv::recoverPose(essential, a, b, unit, rotation, translation, mask) < 8) return;
+        store_motion(rotation, translation, r, t);
+        for (int i = 0; i < n; i++) inside[i] = mask.at<unsigned char>(i) != 0;
+        *found = true;
+    });
+}
+
+FfpCvOutcome pose(const double *points, const double *rays, int n, double tolerance, double r[9], double t[3],
+                  unsigned char *inside, bool *found, FfpCvMessage *message) {
+    *found = false;
+    return guarded("finding a place of the camera", message, [&] {
+        if (n < 6) return;
+        const cv::Mat world(n, 1, CV_64FC3, const_cast<double *>(points)),
+            seen(n, 1, CV_64FC2, const_cast<double *>(rays)), unit = cv::Mat::eye(3, 3, CV_64F);
+        cv::Mat turn, translation, rotation;
+        std::vector<int> kept;
+        if (!cv::solvePnPRansac(world, seen, unit, cv::noArray(), turn, translation, false, 300,
+                                (float)tolerance, 0.999, kept))
+            return;
+        cv::Rodrigues(turn, rotation);
+        store_motion(rotation, translation, r, t);
+        std::fill(inside, inside + n, (unsigned char)0);
+        for (const int i : kept) inside[i] = 1;
+        *found = true;
+    });
+}
+
 } // namespace
 
-const FfpCvModule ffp_opencv_module = {FFP_CV_MODULE_VERSION, chessboard, homography, calibrate, fit_pair};
+const FfpCvModule ffp_opencv_module = {
+    FFP_CV_MODULE_VERSION, chessboard, homography, calibrate, fit_pair, relative, pose};

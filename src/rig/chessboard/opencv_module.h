@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-enum { FFP_CV_MODULE_VERSION = 1 }; // of the table below
+enum { FFP_CV_MODULE_VERSION = 2 }; // of the table below
 
 typedef enum FfpCvOutcome { FFP_CV_DONE, FFP_CV_FAILED, FFP_CV_NO_MEMORY } FfpCvOutcome;
 typedef struct FfpCvMessage {
@@ -27,6 +27,10 @@ typedef struct FfpCvModule {
                               FfpCvMessage *message);
     FfpCvOutcome (*pair)(const FfpCvViews *views, const FfpCvDevice *first, const FfpCvDevice *second,
                          double r[9], double t[3], double *rms, double *whole, FfpCvMessage *message);
+    FfpCvOutcome (*relative)(const double *first, const double *second, int n, double tolerance, double r[9],
+                             double t[3], unsigned char *inside, bool *found, FfpCvMessage *message);
+    FfpCvOutcome (*pose)(const double *points, const double *rays, int n, double tolerance, double r[9],
+                         double t[3], unsigned char *inside, bool *found, FfpCvMessage *message);
 } FfpCvModule;
 
 extern FFP_MODULE_EXPORT const FfpCvModule ffp_opencv_module;

@@ -401,6 +401,18 @@ static const FfpRule rules[FFP_RULES] = {
     [FFP_RULE_FOCAL] = {"focal-uncertain", "calibration", DOUBT, "share of the focal length", 0,
                         "the {a}'s focal length is uncertain by {figure:.1%}",
                         "take more attitudes, tilted more", NULL},
+    [FFP_RULE_PLACE_LEFT_OUT] = {"place-left-out", "calibration", DOUBT, NULL, 0,
+                                 "the camera's place '{view}' is left out: {a}", NULL, NULL},
+    [FFP_RULE_PLACES_FOCAL] =
+        {"focal-uncertain-by-places", "calibration", DOUBT, "share of the focal length", 0,
+         "the {a}'s focal length is uncertain by {figure:.1%}",
+         "photograph from places farther apart, with things at different depths in view", NULL},
+    [FFP_RULE_LENS_DIFFERS] =
+        {"lens-differs", "calibration", DOUBT, "share of the focal length", 0,
+         "the photographs say a focal length that differs by {figure:.1%} from the one given",
+         "give the lens's focal length as that of a 35 mm camera: what is engraved on it, times "
+         "the crop factor; or leave it out",
+         NULL},
     [FFP_RULE_TERMS_FIX] =
         {"lens-terms-to-fix", "calibration", DOUBT, "pixels", 1, OPEN_TERMS,
          "hold these terms fixed: boards that were held out are then off by {x:.3f} pixels, {y:.3f} before",

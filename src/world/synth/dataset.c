@@ -17,6 +17,7 @@
 #include "world/synth/sensor.h"
 #include "world/synth/texture.h"
 #include "world/synth/trace.h"
+#include "world/synth/walk_photographs.h"
 
 enum { MESHES_MAX = 1024, VIEWS_MAX = 360 };
 static const int64_t ASSET_SCENES = 100000; // of one mesh: names stay five digits
@@ -282,14 +283,16 @@ static bool open_assets(Job *job, FfpError *err) {
 
 static bool photograph_dressed(const Job *job, const FfpSceneSpec *spec, FfpError *err) {
     const FfpDatasetSettings *options = job->options;
+    if (spec->rig == FFP_SCENE_WALK)
+        return ffp_walk_photographs_write(options->folder, options->photographs, spec, err);
     const FfpPhotographs photographs = {options->folder, options->photographs, options->attitudes,
                                         options->only,   options->room,        options->seed,
                                         options->quality};
     return ffp_photographs_write(&photographs, spec, err);
 }
 
-// The first scene's object, or the user's, before a bare rig or in a room. Pictures are as high as asked for;
-// 0: 480.
+// The first scene's object, or the user's, before a bare rig or in a room; or a whole scene. Pictures are as
+// high as asked for; 0: 480.
 static bool photograph_object(const Job *job, FfpError *err) {
     const FfpDatasetSettings *options = job->options;
     FfpSceneSpec spec = job->spec;

@@ -1,0 +1,50 @@
+// What the places of a walking camera see of the panel: one projector that stands still shows its codes, and
+// each place of the camera decodes them.
+#ifndef FFP_SELFCAL_PLACES_H
+#define FFP_SELFCAL_PLACES_H
+
+#include <stdbool.h>
+#include "core/base/error.h"
+#include "core/image/image.h"
+
+enum { FFP_PLACES_MAX = 64 };
+
+typedef struct FfpCameraPlace {
+    const char *name;
+    char problem[768]; // why it is left out; "": it is not
+    int seen;          // tracks that it sees
+} FfpCameraPlace;
+
+// A spot of the panel, and where each place sees it. Pixel centres lie at integers + 0.5.
+typedef struct FfpTrack {
+    double panel[2];
+    int first, n; // its sightings
+    float light;  // of the surface there under white, 0 to 1
+} FfpTrack;
+
+typedef struct FfpSighting {
+    int place;
+    bool used; // false: out of line
+    double at[2];
+} FfpSighting;
+
+typedef struct FfpTracks {
+    int width, height, panel_width, panel_height; // of all photographs, and of the panel
+    int n_places, n, n_sightings;
+    FfpCameraPlace *places; // [n_places]
+    FfpTrack *tracks;       // [n]
+    FfpSighting *sightings; // [n_sightings], those of a track one behind the other
+} FfpTracks;
+
+// Spots on a grid over the panel, a few thousand at most, seen by as many places as decode them: each by a
+// plane, position in the picture over position on the panel, through all pixels near the spot, so that
+// rounding and noise average out and edges of surfaces have none.
+//
+// maps [n_places]: of ffp_gray_decode_view, [h,w,3], each pixel `shrink` of the photograph's; empty: not
+// decoded. whites [n_places]: as the surface looks under white, [h,w,1]. step: median distance of
+// neighbouring pixels' positions, panel pixels. Sets tracks and sightings; sizes, places are there.
+void ffp_tracks_find(FfpTracks *tracks, const FfpImage *maps, const FfpImage *whites, int shrink,
+                     double step);
+void ffp_tracks_free(FfpTracks *tracks);
+
+#endif
