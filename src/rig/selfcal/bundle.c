@@ -212,7 +212,6 @@ static void differences(const void *state, const double *by, double *out) {
     FfpRigid places[FFP_PLACES_MAX];
     moved(fit, by, optics, places);
     const Devices d = devices_of(b, optics, places);
-#pragma omp parallel for schedule(static)
     for (int i = 0; i < fit->n_tracks; i++) {
         const FfpTrack *track = &b->tracks->tracks[fit->tracks[i]];
         memset(out + fit->at[i], 0, 2 * (size_t)track->n * sizeof *out);
@@ -234,7 +233,6 @@ static void move(void *state, const double *by) {
 
 void ffp_bundle_triangulate(FfpBundle *b) {
     const Devices d = devices_of(b, b->optics, b->places);
-#pragma omp parallel for schedule(static)
     for (int i = 0; i < b->tracks->n; i++) {
         const FfpTrack *track = &b->tracks->tracks[i];
         const FfpSighting *s = b->tracks->sightings + track->first;

@@ -85,7 +85,7 @@ static void a_scene_calibrates_its_rig(void **state) {
     ffp_calibration_free(&found), ffp_calibration_free(&truth);
     // The folder is not filled twice.
     assert_false(ffp_self_calibrate(NULL, &o, NULL, &err));
-    assert_int_equal(err.code, FFP_ERROR_ARGUMENT);
+    assert_int_equal(err.code, FFP_ERROR_FILE);
 }
 
 // A place whose codes cannot be read is left out; one place alone is too little.
