@@ -253,8 +253,8 @@ static bool check_memory(const FfpManifest *manifest, FfpError *err) {
     const double values =
         3.0 * manifest->pattern_width * manifest->pattern_height * manifest->capture->n_patterns +
         values_of_views(manifest);
-    return ffp_memory_suffices(values * sizeof(real), "the images", "import narrower ones",
-                               manifest->file, err);
+    return ffp_memory_suffices(values * sizeof(real), "the images", "import narrower ones", manifest->file,
+                               err);
 }
 
 static bool check_pictures(const FfpManifest *manifest, FfpError *err) {

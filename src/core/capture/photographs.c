@@ -50,8 +50,7 @@ static bool load(FfpView *out, const FfpCapture *capture, int index, const int *
     const FfpPhotographFiles *files = capture->files;
     const double values = (4.0 * n + 3) * files->wholes[index].width * files->wholes[index].height;
     Lone lone;
-    if (!ffp_memory_suffices(values * sizeof(real), "the images", "import narrower ones",
-                             files->json, err))
+    if (!ffp_memory_suffices(values * sizeof(real), "the images", "import narrower ones", files->json, err))
         return false;
     isolate(&lone, capture, index);
     for (int k = 0; k < n; k++) lone.files.images[patterns[k]] = files->views[index].images[patterns[k]];

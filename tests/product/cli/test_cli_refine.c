@@ -208,8 +208,7 @@ static void test_a_field_is_fitted_and_evaluated(void **state) {
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
         run_format(&run, others[i], scratch, scratch, scratch);
         assert_int_equal(run.status, 1);
-        assert_non_null(
-            strstr(run.err, "is a neural field, which only `info` and `evaluate` read, not "));
+        assert_non_null(strstr(run.err, "is a neural field, which only `info` and `evaluate` read, not "));
     }
     assert_int_equal(run_format(&run, "evaluate %s/tiny --field %s/tiny.ply", scratch, scratch), 1);
     assert_non_null(strstr(run.err, "is Gaussians (a PLY), not a neural field"));
