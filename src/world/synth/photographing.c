@@ -70,7 +70,7 @@ static bool is_called(const FfpPhotographing *job, int pattern, const char *name
     return !is_held_out(job, pattern) && strcmp(job->shown.patterns[pattern].name, name) == 0;
 }
 
-static bool is_wanted(const FfpPhotographing *job, const FfpSubject *subject, int pattern) {
+static bool is_wanted(const FfpPhotographing *job, const FfpPhotographed *subject, int pattern) {
     switch (subject->kind) {
     case FFP_SUBJECT_STOP:
         return true;
@@ -85,13 +85,13 @@ static bool is_wanted(const FfpPhotographing *job, const FfpSubject *subject, in
     }
 }
 
-static bool has_truth(const FfpPhotographing *job, const FfpSubject *subject, int pattern) {
+static bool has_truth(const FfpPhotographing *job, const FfpPhotographed *subject, int pattern) {
     return job->options->room && subject->kind <= FFP_SUBJECT_BETWEEN && !is_code(job, pattern);
 }
 
 // "view-045/002.JPG", "held-out/view-045/map.JPG" or "turntable/03.JPG", below `top`.
-static bool picture_path(const FfpPhotographing *job, const FfpSubject *subject, int pattern, const char *top,
-                         const char *ending, char path[FFP_PATH_MAX], FfpError *err) {
+static bool picture_path(const FfpPhotographing *job, const FfpPhotographed *subject, int pattern,
+                         const char *top, const char *ending, char path[FFP_PATH_MAX], FfpError *err) {
     char name[NAME];
     const bool board = subject->kind == FFP_SUBJECT_TURNTABLE;
     if (is_held_out(job, pattern))
@@ -103,8 +103,8 @@ static bool picture_path(const FfpPhotographing *job, const FfpSubject *subject,
     return ffp_photographing_path(job, name, path, err);
 }
 
-static bool make_folder(const FfpPhotographing *job, const FfpSubject *subject, int pattern, const char *top,
-                        FfpError *err) {
+static bool make_folder(const FfpPhotographing *job, const FfpPhotographed *subject, int pattern,
+                        const char *top, FfpError *err) {
     char path[FFP_PATH_MAX];
     if (!picture_path(job, subject, pattern, top, "", path, err)) return false;
     *strrchr(path, '/') = 0;
@@ -116,7 +116,7 @@ static bool make_folders(const FfpPhotographing *job, FfpError *err) {
     bool ok = ffp_photographing_path(job, "masks", path, err) && ffp_make_folders(path, err);
     for (int s = 0; s < job->n_subjects; s++)
         for (int p = 0; ok && p < job->n_patterns; p++) {
-            const FfpSubject *subject = &job->subjects[s];
+            const FfpPhotographed *subject = &job->subjects[s];
             if (!is_wanted(job, subject, p)) continue;
             ok = make_folder(job, subject, p, "", err) &&
                  (!has_truth(job, subject, p) || make_folder(job, subject, p, "truth/", err));
@@ -127,7 +127,7 @@ static bool make_folders(const FfpPhotographing *job, FfpError *err) {
 // --- Pictures. ---
 
 // What the light of a picture makes of its noise; no two pictures have the same.
-static uint32_t key_of(const FfpPhotographing *job, const FfpSubject *subject, int pattern) {
+static uint32_t key_of(const FfpPhotographing *job, const FfpPhotographed *subject, int pattern) {
     const uint64_t seed = job->options->seed;
     if (!job->options->room)
         return (subject->stream * FFP_PATTERNS_MAX + (uint32_t)pattern) ^ (uint32_t)job->spec->seed;
@@ -136,7 +136,7 @@ static uint32_t key_of(const FfpPhotographing *job, const FfpSubject *subject, i
         ffp_hash32((uint32_t)(seed >> 32) ^ ffp_hash32(subject->stream * 4096 + (uint32_t)pattern + 1)));
 }
 
-static bool write_truth(const FfpPhotographing *job, const FfpSubject *subject, int pattern,
+static bool write_truth(const FfpPhotographing *job, const FfpPhotographed *subject, int pattern,
                         const FfpImage *light, FfpError *err) {
     char path[FFP_PATH_MAX];
     if (!picture_path(job, subject, pattern, "truth/", "png", path, err)) return false;
@@ -148,7 +148,7 @@ static bool write_truth(const FfpPhotographing *job, const FfpSubject *subject, 
 }
 
 // Of a room, the picture is light; otherwise it has its noise.
-static bool write_picture(const FfpPhotographing *job, const FfpSubject *subject, int pattern,
+static bool write_picture(const FfpPhotographing *job, const FfpPhotographed *subject, int pattern,
                           FfpImage *picture, FfpError *err) {
     const bool room = job->options->room;
     char path[FFP_PATH_MAX];
@@ -166,7 +166,7 @@ static bool write_picture(const FfpPhotographing *job, const FfpSubject *subject
 
 typedef struct Writing {
     const FfpPhotographing *job;
-    const FfpSubject *subject;
+    const FfpPhotographed *subject;
     int first;
     const FfpView *view;
     FfpError *errors; // of every picture
@@ -180,7 +180,7 @@ static void write_one(void *argument, int64_t index) {
 }
 
 // The wanted ones among the view's pictures, on all threads. Error: the first picture's that has one.
-static bool write_pictures(const FfpPhotographing *job, const FfpSubject *subject, const FfpView *view,
+static bool write_pictures(const FfpPhotographing *job, const FfpPhotographed *subject, const FfpView *view,
                            int first, int count, FfpError *err) {
     FfpError *errors = ffp_alloc((size_t)count, sizeof *errors);
     int good = 0;
@@ -192,7 +192,7 @@ static bool write_pictures(const FfpPhotographing *job, const FfpSubject *subjec
 }
 
 // What of the pixels the object fills, as somebody who cuts it out by hand would have it.
-static bool write_mask(const FfpPhotographing *job, const FfpSubject *subject, const FfpView *view,
+static bool write_mask(const FfpPhotographing *job, const FfpPhotographed *subject, const FfpView *view,
                        FfpError *err) {
     char name[NAME], path[FFP_PATH_MAX];
     snprintf(name, sizeof name, "masks/%s.png", subject->name);
@@ -202,12 +202,12 @@ static bool write_mask(const FfpPhotographing *job, const FfpSubject *subject, c
 // --- Subjects under patterns. ---
 
 // How much light the camera takes: of a board in a room half as much, so that its paper is not clipped.
-static float exposure_of(const FfpPhotographing *job, const FfpSubject *subject) {
+static float exposure_of(const FfpPhotographing *job, const FfpPhotographed *subject) {
     return exp2f(job->sensor.exposure) * (job->options->room && ffp_subject_is_board(subject) ? 0.5F : 1);
 }
 
 // `around`: NULL without a room.
-static bool simulate(const FfpPhotographing *job, const FfpSubject *subject, const FfpMesh *mesh,
+static bool simulate(const FfpPhotographing *job, const FfpPhotographed *subject, const FfpMesh *mesh,
                      const FfpSurroundings *around, const FfpLight *light, int first, FfpView *view,
                      FfpError *err) {
     const FfpSceneSpec *spec = job->spec;
@@ -239,7 +239,7 @@ static bool simulate(const FfpPhotographing *job, const FfpSubject *subject, con
 }
 
 // Nothing stands before the rig, and nothing is around it: the dark, and the camera's noise.
-static void see_nothing(const FfpPhotographing *job, const FfpSubject *subject, int first, int count,
+static void see_nothing(const FfpPhotographing *job, const FfpPhotographed *subject, int first, int count,
                         FfpView *view) {
     view->images = ffp_alloc((size_t)count, sizeof *view->images);
     for (int i = 0; i < count; i++) {
@@ -249,7 +249,7 @@ static void see_nothing(const FfpPhotographing *job, const FfpSubject *subject, 
 }
 
 // The subject under the patterns of a batch.
-static bool photograph(const FfpPhotographing *job, const FfpSubject *subject, const FfpLight *light,
+static bool photograph(const FfpPhotographing *job, const FfpPhotographed *subject, const FfpLight *light,
                        int first, FfpError *err) {
     const int count = light->n_patterns;
     const bool room = job->options->room, of_object = subject->kind <= FFP_SUBJECT_BETWEEN;

@@ -7,22 +7,22 @@
 #include "world/synth/photographs.h"
 #include "world/synth/room.h"
 
-typedef enum FfpSubjectKind {
+typedef enum FfpPhotographedKind {
     FFP_SUBJECT_STOP,
     FFP_SUBJECT_BETWEEN, // two stops
     FFP_SUBJECT_EMPTY,
     FFP_SUBJECT_ATTITUDE,
     FFP_SUBJECT_TURNTABLE // the board on it
-} FfpSubjectKind;
+} FfpPhotographedKind;
 
-typedef struct FfpSubject {
-    FfpSubjectKind kind;
+typedef struct FfpPhotographed {
+    FfpPhotographedKind kind;
     char name[32];   // of its folder
     uint32_t stream; // by which rays and noise are drawn, whichever subjects there are
     double angle;    // by which the turntable has turned
     int stop;        // of the board on it: the number of its one photograph
     FfpChessboard board;
-} FfpSubject;
+} FfpPhotographed;
 
 typedef struct FfpPhotographing {
     const FfpPhotographs *options;
@@ -34,11 +34,11 @@ typedef struct FfpPhotographing {
     FfpShown shown;
     int n_patterns; // that are shown, and behind them those that are held out
     int n_subjects;
-    FfpSubject *subjects;
+    FfpPhotographed *subjects;
     const char *folder; // being written
 } FfpPhotographing;
 
-static inline bool ffp_subject_is_board(const FfpSubject *subject) {
+static inline bool ffp_subject_is_board(const FfpPhotographed *subject) {
     return subject->kind >= FFP_SUBJECT_ATTITUDE;
 }
 // The path of a name in the folder.

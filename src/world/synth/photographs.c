@@ -14,17 +14,17 @@ enum { BETWEEN = sizeof between / sizeof *between };
 // --- Subjects. ---
 
 // NULL: it is not to be photographed.
-static FfpSubject *add_subject(FfpPhotographing *job, FfpSubjectKind kind, int stream, double angle,
-                               const char *name) {
+static FfpPhotographed *add_subject(FfpPhotographing *job, FfpPhotographedKind kind, int stream, double angle,
+                                    const char *name) {
     const char *only = job->options->only;
     if (only && strcmp(only, name) != 0) return NULL;
-    FfpSubject *s = &job->subjects[job->n_subjects++];
-    *s = (FfpSubject){.kind = kind, .stream = (uint32_t)stream, .angle = angle};
+    FfpPhotographed *s = &job->subjects[job->n_subjects++];
+    *s = (FfpPhotographed){.kind = kind, .stream = (uint32_t)stream, .angle = angle};
     snprintf(s->name, sizeof s->name, "%s", name);
     return s;
 }
 
-static void add_object(FfpPhotographing *job, FfpSubjectKind kind, int stream, double angle) {
+static void add_object(FfpPhotographing *job, FfpPhotographedKind kind, int stream, double angle) {
     char name[32];
     snprintf(name, sizeof name, "view-%03d", (int)lround(angle)); // as `import` calls it
     add_subject(job, kind, stream, angle, name);
@@ -50,11 +50,11 @@ static void add_boards(FfpPhotographing *job, int attitudes, int stops, int stre
     for (int i = 0; i < attitudes; i++) {
         char name[32];
         snprintf(name, sizeof name, "attitude-%02d", i);
-        FfpSubject *s = add_subject(job, FFP_SUBJECT_ATTITUDE, stream + i, 0, name);
+        FfpPhotographed *s = add_subject(job, FFP_SUBJECT_ATTITUDE, stream + i, 0, name);
         if (s) s->board = lifted(job, ffp_bare_rig_attitude(rig, i, seed));
     }
     for (int i = 0; i < stops; i++) {
-        FfpSubject *s =
+        FfpPhotographed *s =
             add_subject(job, FFP_SUBJECT_TURNTABLE, stream + attitudes + i, ffp_board_angle(i), "turntable");
         if (s) s->stop = i, s->board = lifted(job, ffp_bare_rig_turntable_board(rig));
     }

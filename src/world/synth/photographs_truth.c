@@ -51,7 +51,7 @@ static void print_turntable(FILE *f, const FfpPhotographing *job) {
 }
 
 // The board's first corner and the directions of its rows and columns, in the camera's frame.
-static void print_board(FILE *f, const FfpPhotographing *job, const FfpSubject *subject,
+static void print_board(FILE *f, const FfpPhotographing *job, const FfpPhotographed *subject,
                         const char *between) {
     const FfpChessboard *b = &subject->board;
     FfpCamera camera, projector;
