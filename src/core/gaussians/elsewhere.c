@@ -13,7 +13,7 @@ void ffp_splats_begin(FfpSplatSet *set, FfpGaussians *gaussians, int64_t count, 
     *set = (FfpSplatSet){.gaussians = gaussians, .path = path};
 }
 
-double ffp_splat_logit(double share) {
+double ffp_opacity_logit(double share) {
     return share <= 0 ? -INFINITY : share >= 1 ? INFINITY : log(share / (1 - share));
 }
 

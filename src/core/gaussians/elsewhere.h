@@ -30,7 +30,7 @@ void ffp_splats_add(FfpSplatSet *set, const float given[FFP_ROW_NUMBERS]);
 // Notes what was assumed and left out. False, without a set, if the reader failed (`ok` is false) or more
 // than a tenth of the rows are bad; the error names the first of them.
 bool ffp_splats_end(FfpSplatSet *set, bool ok, FfpError *err);
-double ffp_splat_logit(double share); // of an opacity; infinite for 0 and 1
+double ffp_opacity_logit(double share); // of an opacity; infinite for 0 and 1
 
 // The extension of glTF that splats are in.
 #define FFP_SPLAT_EXTENSION "KHR_gaussian_splatting"

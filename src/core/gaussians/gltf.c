@@ -286,7 +286,7 @@ static void get_row(const Splats *splats, int64_t i, float row[FFP_ROW_NUMBERS])
         row[FFP_ROW_SCALE + k] = (float)log(number_at(&splats->scale, i, k)); // below 0: NaN
         row[FFP_ROW_AMBIENT + k] = (float)number_at(&splats->colour, i, k);
     }
-    row[FFP_ROW_OPACITY] = (float)ffp_splat_logit(number_at(&splats->opacity, i, 0));
+    row[FFP_ROW_OPACITY] = (float)ffp_opacity_logit(number_at(&splats->opacity, i, 0));
     for (int k = 0; k < 4; k++) // x y z w in the file
         row[FFP_ROW_ROTATION + k] = (float)number_at(&splats->rotation, i, (k + 3) % 4);
 }

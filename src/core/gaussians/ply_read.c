@@ -166,7 +166,7 @@ static void unpack(const double bounds[BOUNDS], const uint32_t packed[PACKED], f
                      colour = bounds[12 + k] * (1 - share) + bounds[15 + k] * share;
         row[FFP_ROW_AMBIENT + k] = (float)((colour - 0.5) / FFP_SH_C0);
     }
-    row[FFP_ROW_OPACITY] = (float)ffp_splat_logit(part(packed[3], 0, 8));
+    row[FFP_ROW_OPACITY] = (float)ffp_opacity_logit(part(packed[3], 0, 8));
 }
 
 static bool find_packed(int columns[PACKED], const FfpPly *ply, const FfpPlyElement *vertex, const char *path,

@@ -22,7 +22,7 @@ static void get_row(const unsigned char bytes[ROW_BYTES], float row[FFP_ROW_NUMB
         row[FFP_ROW_SCALE + k] = (float)log(get_float(bytes + 12 + 4 * k));
         row[FFP_ROW_AMBIENT + k] = (float)((bytes[24 + k] / 255.0 - 0.5) / FFP_SH_C0);
     }
-    row[FFP_ROW_OPACITY] = (float)ffp_splat_logit(bytes[27] / 255.0);
+    row[FFP_ROW_OPACITY] = (float)ffp_opacity_logit(bytes[27] / 255.0);
     for (int k = 0; k < 4; k++) row[FFP_ROW_ROTATION + k] = (float)(bytes[28 + k] - 128) / 128;
 }
 

@@ -148,7 +148,7 @@ static void get_row(const Spz *spz, size_t i, float row[FFP_ROW_NUMBERS]) {
         row[FFP_ROW_AMBIENT + k] = (float)((spz->colour[3 * i + k] / 255.0 - 0.5) / FFP_SPZ_COLOUR);
         row[FFP_ROW_SCALE + k] = (float)(spz->scale[3 * i + k] / 16.0 - 10);
     }
-    row[FFP_ROW_OPACITY] = (float)ffp_splat_logit(spz->alpha[i] / 255.0);
+    row[FFP_ROW_OPACITY] = (float)ffp_opacity_logit(spz->alpha[i] / 255.0);
     if (spz->version >= 3)
         get_smallest_three(spz->rotation + 4 * i, row + FFP_ROW_ROTATION);
     else

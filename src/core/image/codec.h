@@ -8,22 +8,22 @@
 
 // What a file says of its colours (profile.h).
 typedef enum FfpProfileKind { FFP_PROFILE_NONE, FFP_PROFILE_ICC, FFP_PROFILE_NUMBERS } FfpProfileKind;
-typedef struct FfpProfile {
+typedef struct FfpColourProfile {
     FfpProfileKind kind;
     unsigned char *icc; // [size]
     size_t size;
     double gamma;                  // light is the value to this power; 0: sRGB's curve
     double white[2], primaries[6]; // CIE x y
     bool hdr;                      // HLG or PQ
-} FfpProfile;
+} FfpColourProfile;
 
 typedef struct FfpDecoded {
     FfpImage image; // RGBA as stored; if linear, premultiplied; otherwise encoded, in [0,1], straight alpha
     bool linear;    // an EXR, or a TIFF of floats
     bool has_alpha;
-    FfpProfile profile; // to be released
-    bool inks;          // it was of inks, and is converted already
-    int orientation;    // 1 to 8, how the stored picture is to be shown (orientation.c); 0: as it is
+    FfpColourProfile profile; // to be released
+    bool inks;                // it was of inks, and is converted already
+    int orientation;          // 1 to 8, how the stored picture is to be shown (orientation.c); 0: as it is
 } FfpDecoded;
 
 // A file in memory; `path` is for error messages.

@@ -174,7 +174,7 @@ bool ffp_jpeg_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
     }
     out->image = ffp_image_new(width, height, 4);
     const size_t pixels = (size_t)width * (size_t)height;
-    FfpProfile profile = {0};
+    FfpColourProfile profile = {0};
     out->inks = r.channels == 4;
     if (out->inks) profile = ffp_profile_find(file);
     if (!ffp_profile_inks(&profile, r.pixels, r.inverted, &out->image, file->path))

@@ -18,7 +18,7 @@ static cmsToneCurve *curve_of(double gamma) {
     return gamma > 0 ? cmsBuildGamma(NULL, gamma) : cmsBuildParametricToneCurve(NULL, 4, srgb);
 }
 
-static cmsHPROFILE open_profile(const FfpProfile *profile) {
+static cmsHPROFILE open_profile(const FfpColourProfile *profile) {
     if (profile->kind == FFP_PROFILE_ICC)
         return cmsOpenProfileFromMem(profile->icc, (cmsUInt32Number)profile->size);
     const cmsCIExyY white = {profile->white[0], profile->white[1], 1};
@@ -57,7 +57,7 @@ static bool keeps_colours(cmsHTRANSFORM transform) {
     return worst < (real)1 / 255;
 }
 
-bool ffp_profile_is_srgb(const FfpProfile *profile) {
+bool ffp_profile_is_srgb(const FfpColourProfile *profile) {
     if (profile->kind == FFP_PROFILE_NONE) return true;
     cmsHPROFILE opened = open_profile(profile);
     cmsHTRANSFORM transform =
@@ -68,7 +68,7 @@ bool ffp_profile_is_srgb(const FfpProfile *profile) {
     return same;
 }
 
-static void describe(cmsHPROFILE opened, const FfpProfile *profile, char name[NAME]) {
+static void describe(cmsHPROFILE opened, const FfpColourProfile *profile, char name[NAME]) {
     snprintf(name, NAME, "%s",
              profile->kind == FFP_PROFILE_ICC ? "its colour profile" : "its tags of colour");
     char said[NAME] = "";
@@ -103,7 +103,7 @@ static void convert_greys(cmsHTRANSFORM transform, FfpImage *rgba) {
     }
 }
 
-void ffp_profile_apply(const FfpProfile *profile, FfpImage *rgba, const char *path) {
+void ffp_profile_apply(const FfpColourProfile *profile, FfpImage *rgba, const char *path) {
     char name[NAME] = "";
     if (profile->kind == FFP_PROFILE_NONE) return;
     if (profile->hdr) {
@@ -129,8 +129,8 @@ void ffp_profile_apply(const FfpProfile *profile, FfpImage *rgba, const char *pa
         ffp_note("%s: converted from %s to sRGB", path, name);
 }
 
-bool ffp_profile_inks(const FfpProfile *profile, const unsigned char *inks, bool inverted, FfpImage *rgba,
-                      const char *path) {
+bool ffp_profile_inks(const FfpColourProfile *profile, const unsigned char *inks, bool inverted,
+                      FfpImage *rgba, const char *path) {
     char name[NAME] = "";
     if (profile->kind != FFP_PROFILE_ICC) return false;
     cmsHPROFILE opened = open_profile(profile);

@@ -9,17 +9,17 @@
 
 // That of a PNG or JPEG in memory; of others, of those without and of PNGs tagged as sRGB it is
 // FFP_PROFILE_NONE. Bytes are released with ffp_free. A profile that cannot be parsed counts as none.
-FfpProfile ffp_profile_find(const FfpBytes *file);
+FfpColourProfile ffp_profile_find(const FfpBytes *file);
 // A copy of ICC bytes of another origin.
-FfpProfile ffp_profile_of_icc(const void *bytes, size_t size);
+FfpColourProfile ffp_profile_of_icc(const void *bytes, size_t size);
 // Whether colours stay as they are, within a level of 8 bits.
-bool ffp_profile_is_srgb(const FfpProfile *profile);
+bool ffp_profile_is_srgb(const FfpColourProfile *profile);
 // Converts RGBA of [0,1] in place, relative to white, clipped to [0,1]; alpha stays. A note says from what,
 // or why not: a profile that cannot be read, or of other colours than the picture's.
-void ffp_profile_apply(const FfpProfile *profile, FfpImage *rgba, const char *path);
+void ffp_profile_apply(const FfpColourProfile *profile, FfpImage *rgba, const char *path);
 // The colours of inks (C M Y K, 255 all ink, or `inverted`), [height, width, 4]. False without a profile of
 // inks.
-bool ffp_profile_inks(const FfpProfile *profile, const unsigned char *inks, bool inverted, FfpImage *rgba,
-                      const char *path);
+bool ffp_profile_inks(const FfpColourProfile *profile, const unsigned char *inks, bool inverted,
+                      FfpImage *rgba, const char *path);
 
 #endif

@@ -10,8 +10,8 @@ static uint32_t big32(const unsigned char *at) {
     return (uint32_t)at[0] << 24 | (uint32_t)at[1] << 16 | (uint32_t)at[2] << 8 | at[3];
 }
 
-FfpProfile ffp_profile_of_icc(const void *bytes, size_t size) {
-    FfpProfile profile = {0};
+FfpColourProfile ffp_profile_of_icc(const void *bytes, size_t size) {
+    FfpColourProfile profile = {0};
     if (size == 0 || size > FFP_PROFILE_MAX) return profile;
     profile.kind = FFP_PROFILE_ICC;
     profile.icc = ffp_alloc(size, 1);
@@ -21,8 +21,8 @@ FfpProfile ffp_profile_of_icc(const void *bytes, size_t size) {
 }
 
 // iCCP: a name, 0, the method 0, a stream of zlib.
-static FfpProfile unpack(const unsigned char *data, size_t length) {
-    FfpProfile none = {0};
+static FfpColourProfile unpack(const unsigned char *data, size_t length) {
+    FfpColourProfile none = {0};
     const unsigned char *end = memchr(data, 0, length < NAME_MAX_BYTES ? length : NAME_MAX_BYTES);
     const size_t head = end ? (size_t)(end - data) + 2 : length;
     if (head >= length || data[head - 1] != 0) return none;
@@ -31,18 +31,18 @@ static FfpProfile unpack(const unsigned char *data, size_t length) {
     unsigned char *bytes = ffp_take(most, 1);
     uLongf size = (uLongf)most;
     if (uncompress(bytes, &size, data + head, (uLong)packed) != Z_OK) size = 0;
-    FfpProfile profile = ffp_profile_of_icc(bytes, size);
+    FfpColourProfile profile = ffp_profile_of_icc(bytes, size);
     ffp_free(bytes);
     return profile;
 }
 
 // Coding-independent code points (ITU-T H.273): primaries and transfer.
-static FfpProfile of_code_points(const unsigned char *data) {
+static FfpColourProfile of_code_points(const unsigned char *data) {
     static const double bt709[6] = {0.64, 0.33, 0.30, 0.60, 0.15, 0.06},
                         bt2020[6] = {0.708, 0.292, 0.170, 0.797, 0.131, 0.046},
                         p3[6] = {0.680, 0.320, 0.265, 0.690, 0.150, 0.060};
     const double *primaries = data[0] == 9 ? bt2020 : data[0] == 12 ? p3 : bt709;
-    FfpProfile profile = {.kind = FFP_PROFILE_NUMBERS, .white = {0.3127, 0.3290}};
+    FfpColourProfile profile = {.kind = FFP_PROFILE_NUMBERS, .white = {0.3127, 0.3290}};
     profile.gamma = data[1] == 4 ? 2.2 : data[1] == 5 ? 2.8 : data[1] == 8 ? 1 : 0;
     profile.hdr = data[1] == 16 || data[1] == 18;
     memcpy(profile.primaries, primaries, sizeof profile.primaries);
@@ -50,12 +50,12 @@ static FfpProfile of_code_points(const unsigned char *data) {
 }
 
 // gAMA, and cHRM where it has any: in 1/100000.
-static FfpProfile of_gamma(const unsigned char *gamma, const unsigned char *points) {
-    FfpProfile profile = {.kind = FFP_PROFILE_NUMBERS,
-                          .white = {0.3127, 0.3290},
-                          .primaries = {0.64, 0.33, 0.30, 0.60, 0.15, 0.06}};
+static FfpColourProfile of_gamma(const unsigned char *gamma, const unsigned char *points) {
+    FfpColourProfile profile = {.kind = FFP_PROFILE_NUMBERS,
+                                .white = {0.3127, 0.3290},
+                                .primaries = {0.64, 0.33, 0.30, 0.60, 0.15, 0.06}};
     const uint32_t value = gamma ? big32(gamma) : 45455;
-    if (value == 0) return (FfpProfile){0};
+    if (value == 0) return (FfpColourProfile){0};
     // 1/2.2 is what programs write that mean sRGB
     profile.gamma = value > 45000 && value < 46000 ? 0 : 100000.0 / value;
     for (int i = 0; points && i < 2; i++) profile.white[i] = big32(points + 4 * i) / 100000.0;
@@ -64,7 +64,7 @@ static FfpProfile of_gamma(const unsigned char *gamma, const unsigned char *poin
 }
 
 // By the order of the specification (PNG third edition, 4.3): cICP, iCCP, sRGB, cHRM and gAMA.
-static FfpProfile find_in_png(const FfpBytes *file) {
+static FfpColourProfile find_in_png(const FfpBytes *file) {
     static const struct {
         const char *name;
         uint32_t least;
@@ -84,12 +84,12 @@ static FfpProfile find_in_png(const FfpBytes *file) {
     }
     if (found[0]) return of_code_points(found[0]);
     if (found[1]) return unpack(found[1], lengths[1]);
-    if (found[2] || (!found[3] && !found[4])) return (FfpProfile){0};
+    if (found[2] || (!found[3] && !found[4])) return (FfpColourProfile){0};
     return of_gamma(found[3], found[4]);
 }
 
 // APP2 "ICC_PROFILE": its number of how many, from 1, and a part of the profile.
-static FfpProfile find_in_jpeg(const FfpBytes *file) {
+static FfpColourProfile find_in_jpeg(const FfpBytes *file) {
     static const char mark[12] = "ICC_PROFILE";
     unsigned char *bytes = NULL;
     size_t size = 0;
@@ -112,13 +112,13 @@ static FfpProfile find_in_jpeg(const FfpBytes *file) {
         }
         at += 2 + length;
     }
-    FfpProfile profile = ffp_profile_of_icc(bytes, size);
+    FfpColourProfile profile = ffp_profile_of_icc(bytes, size);
     ffp_free(bytes);
     return profile;
 }
 
-FfpProfile ffp_profile_find(const FfpBytes *file) {
+FfpColourProfile ffp_profile_find(const FfpBytes *file) {
     if (file->size > 8 && memcmp(file->data, "\x89PNG", 4) == 0) return find_in_png(file);
     if (file->size > 3 && memcmp(file->data, "\xff\xd8\xff", 3) == 0) return find_in_jpeg(file);
-    return (FfpProfile){0};
+    return (FfpColourProfile){0};
 }

@@ -83,7 +83,7 @@ static bool decode(FfpDecoded *out, const char *path, Wanted wanted, const FfpSi
         ok = (raw ? codec->decode_raw : codec->decode)(&file, out, err);
     if (ok && wanted == COLOURS) take_profile(out, &file);
     ffp_free(out->profile.icc);
-    out->profile = (FfpProfile){0};
+    out->profile = (FfpColourProfile){0};
     free_bytes(&file);
     if (ok) note_orientation(out, path);
     // The size that was decoded counts, whatever the header said.
@@ -158,7 +158,7 @@ static bool read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, bo
 
 // Whether it has other colours than sRGB that are to be converted.
 static bool is_profiled(const FfpBytes *file) {
-    FfpProfile profile = ffp_profile_find(file);
+    FfpColourProfile profile = ffp_profile_find(file);
     const bool profiled = !ffp_profile_is_srgb(&profile);
     ffp_free(profile.icc);
     return profiled;

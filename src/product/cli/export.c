@@ -52,9 +52,9 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_CHOICE,
      .offset = offsetof(Arguments, how.up),
      .words = (const FfpWord[]){{"z", FFP_UP_Z}, {"y", FFP_UP_Y}, {"-y", FFP_UP_MINUS_Y}, {0}},
-     .help =
-         "up direction of the Gaussians' world: z (default), y, or -y where the world is a camera's frame. The "
-         "file uses its format's axes: y down and z forward in .ply, y up and z backwards in all others"},
+     .help = "up direction of the Gaussians' world: z (default), y, or -y where the world is a camera's "
+             "frame. The "
+             "file uses its format's axes: y down and z forward in .ply, y up and z backwards in all others"},
     FFP_CLI_DRAWING(offsetof(Arguments, how.form), FFP_CLI_FORM_HELP),
     {.name = "force",
      .type = FFP_OPTION_FLAG,

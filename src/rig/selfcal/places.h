@@ -42,7 +42,7 @@ typedef struct FfpTracks {
 //
 // maps [n_places]: of ffp_gray_decode_view, [h,w,3], each pixel `shrink` of the photograph's; empty: not
 // decoded. whites [n_places]: as the surface looks under white, [h,w,1]. step: median distance of
-// neighbouring pixels' positions, panel pixels. Sets tracks and sightings; sizes, places are there.
+// neighbouring pixels' positions, panel pixels. Sets tracks and sightings of the sizes and places given.
 void ffp_tracks_find(FfpTracks *tracks, const FfpImage *maps, const FfpImage *whites, int shrink,
                      double step);
 void ffp_tracks_free(FfpTracks *tracks);

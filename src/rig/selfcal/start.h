@@ -4,10 +4,10 @@
 
 #include "rig/selfcal/bundle.h"
 
-// Sets optics, poses and nearness of the bundle, whose tracks are there: two places by their essential matrix
+// Sets optics, poses and nearness of the bundle, which has its tracks: two places by their essential matrix
 // (Nister 2004), the projector by a linear fit to the points that these two see (Abdel-Aziz and Karara 1971),
-// every other place by the points there are. Places that fit nothing get a problem and stay unknown. Errors:
-// no two places see enough of the same, all of it lies on one plane, positions are mirrored.
+// every other place by the points that are known then. Places that fit nothing get a problem and stay
+// unknown. Errors: no two places see enough of the same, all of it lies on one plane, positions are mirrored.
 bool ffp_bundle_start(FfpBundle *bundle, FfpError *err);
 
 #endif

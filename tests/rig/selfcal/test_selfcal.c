@@ -24,7 +24,7 @@ typedef struct Walk {
     bool flat;     // a wall alone
     bool mirrored; // pictures
     int moved;     // place before which the projector turns; 0: it stands
-    double lens;   // the focal length that is said to be known, pixels; 0: none
+    double lens;   // the focal length that the user gives, pixels; 0: none
 } Walk;
 
 // The projector at the origin, the walls and boxes before it 3 to 5 units away.
