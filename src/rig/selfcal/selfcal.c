@@ -234,7 +234,7 @@ static void judge_known(FfpBundle *b, int stride) {
 
 // Distance of the first two known places.
 static double first_step(const FfpBundle *b) {
-    double centres[2][3], square = 0;
+    double centres[2][3] = {{0}}, square = 0;
     int n = 0;
     for (int p = 0; p < b->tracks->n_places && n < 2; p++) {
         const FfpRigid *pose = &b->places[p];

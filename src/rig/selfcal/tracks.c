@@ -115,19 +115,20 @@ static void add_track(FfpTracks *out, const Grid *grid, double (*const *seen)[3]
     out->n++;
 }
 
-void ffp_tracks_find(FfpTracks *out, const FfpImage *maps, const FfpImage *whites, int shrink, double step) {
-    const Grid grid = grid_new(out, step);
+void ffp_tracks_find(FfpTracks *tracks, const FfpImage *maps, const FfpImage *whites, int shrink,
+                     double step) {
+    const Grid grid = grid_new(tracks, step);
     const size_t spots = (size_t)grid.columns * (size_t)grid.rows;
-    double(**seen)[3] = ffp_alloc((size_t)out->n_places, sizeof *seen);
-    for (int p = 0; p < out->n_places; p++) {
+    double(**seen)[3] = ffp_alloc((size_t)tracks->n_places, sizeof *seen);
+    for (int p = 0; p < tracks->n_places; p++) {
         seen[p] = ffp_alloc(spots, sizeof **seen);
         look(&grid, &maps[p], &whites[p], shrink, seen[p]);
         ffp_cancel_point();
     }
-    out->tracks = ffp_alloc(spots, sizeof *out->tracks);
-    out->sightings = ffp_alloc(spots * (size_t)out->n_places, sizeof *out->sightings);
-    for (size_t i = 0; i < spots; i++) add_track(out, &grid, seen, i);
-    for (int p = 0; p < out->n_places; p++) ffp_free(seen[p]);
+    tracks->tracks = ffp_alloc(spots, sizeof *tracks->tracks);
+    tracks->sightings = ffp_alloc(spots * (size_t)tracks->n_places, sizeof *tracks->sightings);
+    for (size_t i = 0; i < spots; i++) add_track(tracks, &grid, seen, i);
+    for (int p = 0; p < tracks->n_places; p++) ffp_free(seen[p]);
     ffp_free((void *)seen);
     ffp_free(grid.spots);
 }

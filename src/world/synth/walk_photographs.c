@@ -14,7 +14,7 @@ enum { NAME = 32, BATCH = 16, SIDE_MIN = 64, SIDE_MAX = 4096 };
 
 static const double camera_lens[5] = {-0.08, 0.02, 0, 0, 0}, projector_lens[5] = {-0.03, 0, 0, 0, 0};
 #define CAMERA_X 0.006 // principal points beside the middle, of the width
-#define CAMERA_Y -0.004
+#define CAMERA_Y (-0.004)
 #define PROJECTOR_X 0.008
 #define PROJECTOR_Y 0.05
 
@@ -192,6 +192,7 @@ static bool write_folder(Job *job, const char *folder, FfpError *err) {
     job->folder = out.temporary;
     const bool ok = photograph_all(job, err) && write_truth(job, err) && ffp_output_commit(&out, err);
     ffp_output_abort(&out);
+    job->folder = NULL;
     return ok;
 }
 
