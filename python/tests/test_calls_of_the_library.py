@@ -229,9 +229,9 @@ def test_photographs_in_a_room(tmp_path: Path) -> None:
             resolution=64,
             seed=5,
         )
-    name = "photographs/000/white.JPG"
+    name = "view-000/002.JPG"  # white
     assert (tmp_path / "coarse" / name).stat().st_size < (tmp_path / "fine" / name).stat().st_size
-    assert (tmp_path / "fine" / "empty" / "lollipop_0.JPG").exists()
+    assert (tmp_path / "fine" / "empty" / "003.JPG").exists()
     with pytest.raises(ffp.ArgumentError, match="room"):
         ffp.generate(tmp_path / "none", room=True)
 
