@@ -10,7 +10,7 @@
 enum { FFP_PLACES_MAX = 64 };
 
 typedef struct FfpCameraPlace {
-    const char *name;
+    char name[256];    // of its folder
     char problem[768]; // why it is left out; "": it is not
     int seen;          // tracks that it sees
 } FfpCameraPlace;

@@ -69,7 +69,7 @@ static bool read_place(Reading *r, int index, FfpError *err) {
     FfpGrayReport report;
     FfpError error = {0};
     int width, height;
-    place->name = folder->name;
+    snprintf(place->name, sizeof place->name, "%s", folder->name);
     if (folder->problem) snprintf(place->problem, sizeof place->problem, "%s", folder->problem);
     if (place->problem[0]) return true;
     if (!ffp_photograph_read_size(&width, &height, folder->files[0], &error))
@@ -148,8 +148,6 @@ static bool read_all(const FfpSelfCalibration *o, FfpTracks *tracks, FfpError *e
     tracks->panel_width = o->width, tracks->panel_height = o->height;
     bool ok = ffp_shot_folders_find(&r.folders, o->places, o->n_places, err) &&
               (!o->shown || take_shown(o, &r, err)) && read_places(&r, err);
-    for (int i = 0; ok && i < tracks->n_places; i++)
-        tracks->places[i].name = ffp_copy_text(tracks->places[i].name);
     ffp_shot_folders_free(&r.folders);
     return ok;
 }
