@@ -59,3 +59,23 @@ void ffp_rotation_to_vector(const double r[9], double v[3]) {
     const double sine = sqrt(ffp_dot(half, half)), angle = atan2(sine, (r[0] + r[4] + r[8] - 1) / 2);
     for (int k = 0; k < 3; k++) v[k] = sine > 1e-12 ? half[k] * angle / sine : half[k];
 }
+
+void ffp_rotation_to_quaternion(const double r[9], double wxyz[4]) {
+    const double squares[4] = {1 + r[0] + r[4] + r[8], 1 + r[0] - r[4] - r[8], 1 - r[0] + r[4] - r[8],
+                               1 - r[0] - r[4] + r[8]}; // of the parts, times 4
+    int k = 0;
+    for (int i = 1; i < 4; i++) k = squares[i] > squares[k] ? i : k;
+    const double s = 2 * sqrt(squares[k]), wx = (r[7] - r[5]) / s, wy = (r[2] - r[6]) / s,
+                 wz = (r[3] - r[1]) / s, xy = (r[1] + r[3]) / s, xz = (r[2] + r[6]) / s,
+                 yz = (r[5] + r[7]) / s;
+    const double all[4][4] = {
+        {s / 4, wx, wy, wz}, {wx, s / 4, xy, xz}, {wy, xy, s / 4, yz}, {wz, xz, yz, s / 4}};
+    const double sign = all[k][0] < 0 ? -1 : 1, length = sqrt(all[k][0] * all[k][0] + all[k][1] * all[k][1] +
+                                                              all[k][2] * all[k][2] + all[k][3] * all[k][3]);
+    for (int i = 0; i < 4; i++) wxyz[i] = sign * all[k][i] / length;
+}
+
+void ffp_rigid_inverse(const FfpRigid *motion, FfpRigid *out) {
+    for (int i = 0; i < 9; i++) out->r[i] = motion->r[3 * (i % 3) + i / 3];
+    for (int i = 0; i < 3; i++) out->t[i] = -ffp_dot(out->r + 3 * i, motion->t);
+}

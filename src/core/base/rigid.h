@@ -33,5 +33,10 @@ void ffp_rotation_difference(const double a[9], const double b[9], double out[9]
 // By |v| radians about v (Rodrigues' formula), and the vector of a rotation below half a turn.
 void ffp_rotation_from_vector(const double v[3], double r[9]);
 void ffp_rotation_to_vector(const double r[9], double v[3]);
+// The unit quaternion w x y z of a rotation, w >= 0, by its largest part (Shepperd 1978).
+void ffp_rotation_to_quaternion(const double r[9], double wxyz[4]);
+
+// x -> r^T (x - t). out may not be the argument.
+void ffp_rigid_inverse(const FfpRigid *motion, FfpRigid *out);
 
 #endif

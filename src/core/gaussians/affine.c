@@ -1,6 +1,7 @@
 #include "core/gaussians/affine.h"
 #include <math.h>
 #include <string.h>
+#include "core/base/rigid.h"
 
 enum { SWEEPS = 12 };
 
@@ -79,27 +80,6 @@ static bool take_lengths(double b[9], double lengths[3]) {
     return true;
 }
 
-// Shepperd's method (1978): by the largest part.
-static void quaternion_of(const double r[9], float wxyz[4]) {
-    const double trace = r[0] + r[4] + r[8];
-    double q[4], square = 0;
-    int k = 0;
-    for (int i = 1; i < 3; i++) k = r[4 * i] > r[4 * k] ? i : k;
-    const int j = (k + 1) % 3, l = (k + 2) % 3;
-    if (trace > r[4 * k]) {
-        q[0] = 1 + trace;
-        for (int i = 0; i < 3; i++)
-            q[1 + i] = r[3 * ((i + 2) % 3) + (i + 1) % 3] - r[3 * ((i + 1) % 3) + (i + 2) % 3];
-    } else {
-        q[0] = r[3 * l + j] - r[3 * j + l];
-        q[1 + k] = 1 + 2 * r[4 * k] - trace;
-        q[1 + j] = r[3 * j + k] + r[3 * k + j];
-        q[1 + l] = r[3 * l + k] + r[3 * k + l];
-    }
-    for (int i = 0; i < 4; i++) square += q[i] * q[i];
-    for (int i = 0; i < 4; i++) wxyz[i] = (float)(q[i] / sqrt(square));
-}
-
 void ffp_affine_move(const FfpAffine *affine, float row[FFP_ROW_NUMBERS]) {
     double q[4], r[9], b[9], lengths[3];
     float *at = row + FFP_ROW_POSITION, *scale = row + FFP_ROW_SCALE, *turn = row + FFP_ROW_ROTATION;
@@ -123,5 +103,6 @@ void ffp_affine_move(const FfpAffine *affine, float row[FFP_ROW_NUMBERS]) {
         return;
     }
     for (int k = 0; k < 3; k++) scale[k] = (float)log(lengths[k]);
-    quaternion_of(b, turn);
+    ffp_rotation_to_quaternion(b, q);
+    for (int k = 0; k < 4; k++) turn[k] = (float)q[k];
 }

@@ -1,22 +1,6 @@
 #include "rig/optics/colmap_write.h"
-#include <math.h>
 #include <stdio.h>
 #include "core/base/file.h"
-
-// Rotation to quaternion w x y z (Shepperd 1978), w >= 0.
-static void quaternion_of(const double r[9], double q[4]) {
-    const double squares[4] = {1 + r[0] + r[4] + r[8], 1 + r[0] - r[4] - r[8], 1 - r[0] + r[4] - r[8],
-                               1 - r[0] - r[4] + r[8]};
-    int largest = 0;
-    for (int k = 1; k < 4; k++)
-        if (squares[k] > squares[largest]) largest = k;
-    const double s = 2 * sqrt(squares[largest]), wx = (r[7] - r[5]) / s, wy = (r[2] - r[6]) / s,
-                 wz = (r[3] - r[1]) / s, xy = (r[1] + r[3]) / s, xz = (r[2] + r[6]) / s,
-                 yz = (r[5] + r[7]) / s;
-    const double all[4][4] = {
-        {s / 4, wx, wy, wz}, {wx, s / 4, xy, xz}, {wy, xy, s / 4, yz}, {wz, xz, yz, s / 4}};
-    for (int k = 0; k < 4; k++) q[k] = all[largest][0] < 0 ? -all[largest][k] : all[largest][k];
-}
 
 static void print_cameras(FILE *f, const FfpColmapModel *m) {
     for (int i = 0; i < m->n_cameras; i++) {
@@ -36,7 +20,7 @@ static void print_images(FILE *f, const FfpColmapModel *m) {
         const FfpColmapImage *image = &m->images[i];
         const double *t = image->pose.t;
         double q[4];
-        quaternion_of(image->pose.r, q);
+        ffp_rotation_to_quaternion(image->pose.r, q);
         fprintf(f, "%d %.15g %.15g %.15g %.15g %.15g %.15g %.15g %d %s\n\n", i + 1, q[0], q[1], q[2], q[3],
                 t[0], t[1], t[2], image->camera + 1, image->name);
     }

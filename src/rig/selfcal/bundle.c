@@ -22,10 +22,6 @@ static const double usual[FFP_BUNDLE_OPTICS] = {
     [FFP_BUNDLE_CAMERA_K2] = 0.05,  [FFP_BUNDLE_PROJECTOR_X] = 0.03, [FFP_BUNDLE_PROJECTOR_Y] = 0.5,
     [FFP_BUNDLE_PROJECTOR_K1] = 0.1};
 
-double ffp_bundle_usual(int number) {
-    return usual[number];
-}
-
 // --- Devices. ---
 
 typedef struct Device {
@@ -60,14 +56,6 @@ static bool see(const Device *camera, const double x[3], double at[2]) {
     return true;
 }
 
-bool ffp_bundle_ray(const FfpBundle *b, const double panel[2], double ray[2]) {
-    const Device projector = projector_of(b, b->optics);
-    double r[3];
-    const bool ok = ray_of(&projector, panel, r);
-    ray[0] = r[0], ray[1] = r[1];
-    return ok;
-}
-
 static void into(const FfpRigid *pose, const double p[3], double out[3]) {
     for (int k = 0; k < 3; k++) out[k] = ffp_dot(pose->r + 3 * k, p) + pose->t[k];
 }
@@ -80,10 +68,10 @@ bool ffp_bundle_see(const FfpBundle *b, int place, const double point[3], double
 }
 
 bool ffp_bundle_point(const FfpBundle *b, int track, double point[3]) {
-    double ray[2];
-    if (!(b->nearness[track] > 0) || !ffp_bundle_ray(b, b->tracks->tracks[track].panel, ray)) return false;
-    point[0] = ray[0] / b->nearness[track], point[1] = ray[1] / b->nearness[track];
-    point[2] = 1 / b->nearness[track];
+    const Device projector = projector_of(b, b->optics);
+    double ray[3];
+    if (!(b->nearness[track] > 0) || !ray_of(&projector, b->tracks->tracks[track].panel, ray)) return false;
+    for (int k = 0; k < 3; k++) point[k] = ray[k] / b->nearness[track];
     return true;
 }
 

@@ -35,14 +35,10 @@ typedef struct FfpBundle {
     double rms;         // of the sightings used, pixels
 } FfpBundle;
 
-// The projector's ray (x, y, 1) through a place on the panel; false where its lens has none.
-bool ffp_bundle_ray(const FfpBundle *bundle, const double panel[2], double ray[2]);
 // Where the camera at a place sees a point of the projector's frame; false: behind it.
 bool ffp_bundle_see(const FfpBundle *bundle, int place, const double point[3], double at[2]);
 // The point of a track; false where it has none.
 bool ffp_bundle_point(const FfpBundle *bundle, int track, double point[3]);
-// What a number's unit moves in: the fixed deviation that it is expected within, 0: any.
-double ffp_bundle_usual(int number);
 
 // Solves every track's nearness for the devices as they are, from its sightings in places that are known.
 void ffp_bundle_triangulate(FfpBundle *bundle);

@@ -181,11 +181,10 @@ static double parallax_of(const FfpBundle *b) {
         if (!ffp_bundle_point(b, i, point)) continue;
         for (int k = 0; k < t->tracks[i].n; k++) {
             const FfpSighting *s = &t->sightings[t->tracks[i].first + k];
-            const FfpRigid *pose = &b->places[s->place];
+            FfpRigid camera;
             if (!s->used || !b->known[s->place]) continue;
-            for (int a = 0; a < 3; a++) // from the point to the camera's centre, -R^T t
-                rays[seen][a] = -point[a] - (pose->r[a] * pose->t[0] + pose->r[3 + a] * pose->t[1] +
-                                             pose->r[6 + a] * pose->t[2]);
+            ffp_rigid_inverse(&b->places[s->place], &camera);
+            for (int a = 0; a < 3; a++) rays[seen][a] = camera.t[a] - point[a];
             ffp_unit(rays[seen++]);
         }
         for (int x = 0; x < seen; x++)
@@ -232,18 +231,13 @@ static void judge_known(FfpBundle *b, int stride) {
 
 // Distance of the first two known places.
 static double first_step(const FfpBundle *b) {
-    double centres[2][3] = {{0}}, square = 0;
+    FfpRigid cameras[2] = {{{0}, {0}}};
     int n = 0;
-    for (int p = 0; p < b->tracks->n_places && n < 2; p++) {
-        const FfpRigid *pose = &b->places[p];
-        if (!b->known[p]) continue;
-        for (int k = 0; k < 3; k++)
-            centres[n][k] =
-                pose->r[k] * pose->t[0] + pose->r[3 + k] * pose->t[1] + pose->r[6 + k] * pose->t[2];
-        n++;
-    }
-    for (int k = 0; k < 3; k++) square += pow(centres[1][k] - centres[0][k], 2);
-    return sqrt(square);
+    for (int p = 0; p < b->tracks->n_places && n < 2; p++)
+        if (b->known[p]) ffp_rigid_inverse(&b->places[p], &cameras[n++]);
+    double step[3];
+    for (int k = 0; k < 3; k++) step[k] = cameras[1].t[k] - cameras[0].t[k];
+    return ffp_unit(step);
 }
 
 static void fill_stats(const FfpBundle *b, FfpSelfCalibrationStats *s) {

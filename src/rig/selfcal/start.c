@@ -246,18 +246,12 @@ static bool find_projector(const FfpBundle *b, const Common *c, Projector *p) {
 
 // --- From the pair to all places. ---
 
-static void invert(const FfpRigid *m, FfpRigid *out) {
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) out->r[3 * i + k] = m->r[3 * k + i];
-    for (int k = 0; k < 3; k++) out->t[k] = -ffp_dot(out->r + 3 * (size_t)k, m->t);
-}
-
 static void begin_with(FfpBundle *b, const int pair[2], const Common *c, const Projector *p) {
     FfpRigid *first = &b->places[pair[0]], *second = &b->places[pair[1]];
     b->optics[FFP_BUNDLE_PROJECTOR_FOCAL] = log(p->focal * b->tracks->panel_width);
     b->optics[FFP_BUNDLE_PROJECTOR_X] = fmax(-0.2, fmin(0.2, p->x));
     b->optics[FFP_BUNDLE_PROJECTOR_Y] = fmax(-1, fmin(1, p->y));
-    invert(&p->pose, first);
+    ffp_rigid_inverse(&p->pose, first);
     ffp_rotation_product(c->r, first->r, second->r);
     for (int k = 0; k < 3; k++) second->t[k] = ffp_dot(c->r + 3 * (size_t)k, first->t) + c->t[k];
     b->known[pair[0]] = b->known[pair[1]] = true;
@@ -307,10 +301,9 @@ static double misfit(const FfpBundle *b) {
 // The bundle as it would be with each guess of the focal length; it keeps the one that fits best.
 static bool choose_focal(FfpBundle *b, const int pair[2], FfpError *err) {
     const size_t tracks = (size_t)b->tracks->n, sightings = (size_t)b->tracks->n_sightings;
-    FfpBundle best = *b;
+    double optics[FFP_BUNDLE_OPTICS], rms = 0, least = INFINITY;
     bool *used = ffp_alloc(sightings + 1, sizeof *used), any = false, mirrored = false, done;
     FfpRigid poses[2];
-    double least = INFINITY;
     for (int g = 0; g < (b->focal_known > 0 ? 1 : GUESSES); g++) {
         for (size_t i = 0; i < sightings; i++) b->tracks->sightings[i].used = true;
         memset(b->nearness, 0, tracks * sizeof *b->nearness);
@@ -328,14 +321,14 @@ static bool choose_focal(FfpBundle *b, const int pair[2], FfpError *err) {
         }
         if (!(found < least)) continue;
         least = found, any = true;
-        best.rms = b->rms;
-        memcpy(best.optics, b->optics, sizeof b->optics);
+        rms = b->rms;
+        memcpy(optics, b->optics, sizeof optics);
         for (int k = 0; k < 2; k++) poses[k] = b->places[pair[k]];
         for (size_t i = 0; i < sightings; i++) used[i] = b->tracks->sightings[i].used;
     }
     if (any) {
-        b->rms = best.rms;
-        memcpy(b->optics, best.optics, sizeof b->optics);
+        b->rms = rms;
+        memcpy(b->optics, optics, sizeof optics);
         for (int k = 0; k < 2; k++) b->places[pair[k]] = poses[k], b->known[pair[k]] = true;
         for (size_t i = 0; i < sightings; i++) b->tracks->sightings[i].used = used[i];
         memset(b->nearness, 0, tracks * sizeof *b->nearness);

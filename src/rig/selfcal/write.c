@@ -20,12 +20,11 @@ static World world_of(const FfpBundle *b, double scale) {
 
 // pose: the projector's frame to a device's.
 static FfpRigid in_world(const World *world, const FfpRigid *pose) {
-    FfpRigid out;
-    double back[9];
-    for (int i = 0; i < 9; i++) back[i] = world->from.r[3 * (i % 3) + i / 3];
-    ffp_rotation_product(pose->r, back, out.r);
+    FfpRigid out, back;
+    ffp_rigid_inverse(&world->from, &back);
+    ffp_rotation_product(pose->r, back.r, out.r);
     for (int k = 0; k < 3; k++)
-        out.t[k] = world->scale * (pose->t[k] - ffp_dot(out.r + 3 * (size_t)k, world->from.t));
+        out.t[k] = world->scale * (ffp_dot(pose->r + 3 * (size_t)k, back.t) + pose->t[k]);
     return out;
 }
 

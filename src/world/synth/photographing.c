@@ -51,13 +51,7 @@ static bool draw_held_out(const FfpPhotographing *job, int pattern, FfpError *er
 // What the projector sends out for a pattern, linear; a new image.
 static bool emit(const FfpPhotographing *job, int pattern, FfpImage *emitted, FfpError *err) {
     char path[FFP_PATH_MAX];
-    if (!pattern_path(job, pattern, path, err) || !ffp_image_read_over_black(emitted, NULL, path, err))
-        return false;
-    if (!ffp_sensor_changes_light(&job->sensor)) return true;
-    FfpImage sent = *emitted;
-    *emitted = ffp_sensor_emit(&sent, &job->sensor);
-    ffp_image_free(&sent);
-    return true;
+    return pattern_path(job, pattern, path, err) && ffp_sensor_emit_file(emitted, path, &job->sensor, err);
 }
 
 // --- Which pictures, and what they are called. ---

@@ -78,13 +78,17 @@ static bool add_subjects(FfpPhotographing *job, FfpError *err) {
 
 // --- All of it. ---
 
-static bool check(const FfpPhotographs *options, const FfpSceneSpec *spec, FfpError *err) {
+bool ffp_photographs_check(const FfpSceneSpec *spec, FfpError *err) {
     if (spec->sensor.turn_error > 0 || spec->sensor.shift_error > 0)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor",
                         "turn_error and shift_error are of written poses: photographs have none");
-    if (spec->resolution < SIDE_MIN || spec->resolution > SIDE_MAX)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "resolution", "%d is not in %d..%d", spec->resolution,
-                        SIDE_MIN, SIDE_MAX);
+    return (spec->resolution >= SIDE_MIN && spec->resolution <= SIDE_MAX) ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "resolution", "%d is not in %d..%d", spec->resolution, SIDE_MIN,
+                    SIDE_MAX);
+}
+
+static bool check(const FfpPhotographs *options, const FfpSceneSpec *spec, FfpError *err) {
+    if (!ffp_photographs_check(spec, err)) return false;
     if (options->attitudes < 0 || options->attitudes > ATTITUDES_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "attitudes", "%d are not in 0..%d", options->attitudes,
                         ATTITUDES_MAX);

@@ -44,6 +44,18 @@ FfpImage ffp_sensor_emit(const FfpImage *pattern, const FfpSensor *s) {
     return out;
 }
 
+bool ffp_sensor_emit_file(FfpImage *emitted, const char *path, const FfpSensor *sensor, FfpError *err) {
+    FfpImage pattern;
+    if (!ffp_image_read_over_black(&pattern, NULL, path, err)) return false;
+    if (!ffp_sensor_changes_light(sensor)) {
+        *emitted = pattern;
+        return true;
+    }
+    *emitted = ffp_sensor_emit(&pattern, sensor);
+    ffp_image_free(&pattern);
+    return true;
+}
+
 float ffp_sensor_noise(float value, float shot, float read, uint32_t pixel, uint32_t picture) {
     const float variance = shot * ffp_max(value, 0) + read * read;
     if (variance <= 0) return value;

@@ -13,6 +13,8 @@ bool ffp_sensor_changes_light(const FfpSensor *sensor);
 // What the projector sends out for a pattern (linear, relative to white): gamma, black level, then defocus. A
 // new image.
 FfpImage ffp_sensor_emit(const FfpImage *pattern, const FfpSensor *sensor);
+// The same for a picture's file over black. Errors: reading it.
+bool ffp_sensor_emit_file(FfpImage *emitted, const char *path, const FfpSensor *sensor, FfpError *err);
 // A linear pixel value with the noise of its shot (variance shot * value) and of reading (deviation read);
 // two keys that name the pixel and the picture. The value itself where both are 0.
 float ffp_sensor_noise(float value, float shot, float read, uint32_t pixel, uint32_t picture);

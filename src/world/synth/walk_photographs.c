@@ -6,11 +6,12 @@
 #include "core/base/rigid.h"
 #include "core/patterns/shown.h"
 #include "rig/optics/colmap_write.h"
+#include "world/synth/photographs.h"
 #include "world/synth/sensor.h"
 #include "world/synth/simulate.h"
 #include "world/synth/walk.h"
 
-enum { NAME = 32, BATCH = 16, SIDE_MIN = 64, SIDE_MAX = 4096 };
+enum { NAME = 32, BATCH = 16 };
 
 static const double camera_lens[5] = {-0.08, 0.02, 0, 0, 0}, projector_lens[5] = {-0.03, 0, 0, 0, 0};
 #define CAMERA_X 0.006 // principal points beside the middle, of the width
@@ -53,15 +54,6 @@ static void name_place(int index, char name[NAME]) {
 static bool path_in(const Job *job, const char *name, char path[FFP_PATH_MAX], FfpError *err) {
     return ffp_join_path(path, job->folder, name) ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, job->folder, "the path is too long");
-}
-
-static bool emit(const Job *job, int pattern, FfpImage *emitted, FfpError *err) {
-    if (!ffp_image_read_over_black(emitted, NULL, job->shown.patterns[pattern].file, err)) return false;
-    if (!ffp_sensor_changes_light(&job->spec->sensor)) return true;
-    FfpImage sent = *emitted;
-    *emitted = ffp_sensor_emit(&sent, &job->spec->sensor);
-    ffp_image_free(&sent);
-    return true;
 }
 
 static bool write_photograph(const Job *job, int index, int pattern, FfpImage *image, FfpError *err) {
@@ -109,7 +101,7 @@ static bool photograph_batch(Job *job, int first, int count, FfpError *err) {
     const FfpImage *images[BATCH];
     bool ok = true;
     for (int i = 0; ok && i < count; i++) {
-        ok = emit(job, first + i, &emitted[i], err);
+        ok = ffp_sensor_emit_file(&emitted[i], job->shown.patterns[first + i].file, &job->spec->sensor, err);
         images[i] = &emitted[i];
     }
     if (ok) {
@@ -154,11 +146,10 @@ static FfpOptics optics_of(const FfpCamera *device, const double lens[5]) {
     return out;
 }
 
-static FfpRigid to_device(const FfpCamera *device) { // the inverse of its pose
+static FfpRigid to_device(const FfpCamera *device) {
     const FfpRigid pose = ffp_rigid_from_pose(device->pose);
     FfpRigid out;
-    for (int i = 0; i < 9; i++) out.r[i] = pose.r[3 * (i % 3) + i / 3];
-    for (int k = 0; k < 3; k++) out.t[k] = -ffp_dot(out.r + 3 * (size_t)k, pose.t);
+    ffp_rigid_inverse(&pose, &out);
     return out;
 }
 
@@ -196,19 +187,10 @@ static bool write_folder(Job *job, const char *folder, FfpError *err) {
     return ok;
 }
 
-static bool check(const FfpSceneSpec *spec, FfpError *err) {
-    if (spec->sensor.turn_error > 0 || spec->sensor.shift_error > 0)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor",
-                        "turn_error and shift_error are of written poses: photographs have none");
-    return (spec->resolution >= SIDE_MIN && spec->resolution <= SIDE_MAX) ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, "resolution", "%d is not in %d..%d", spec->resolution, SIDE_MIN,
-                    SIDE_MAX);
-}
-
 bool ffp_walk_photographs_write(const char *folder, const char *patterns, const FfpSceneSpec *spec,
                                 FfpError *err) {
     Job job = {.spec = spec, .material = ffp_material_make(spec->material, spec->seed)};
-    if (!check(spec, err) || !ffp_shown_list(&job.shown, patterns, err)) return false;
+    if (!ffp_photographs_check(spec, err) || !ffp_shown_list(&job.shown, patterns, err)) return false;
     job.walk = ffp_walk_draw(spec);
     job.around = ffp_around_new(&job.walk.room, NULL, 0);
     set_projector(&job);
