@@ -2,9 +2,8 @@
 find_package(PkgConfig REQUIRED)
 find_package(OpenMP REQUIRED C)
 # What the library stands on, as NAME:MODULE of pkg-config. Whoever links libffprocams.a needs them too
-# (cmake/install.cmake). What modules stand on is modules.cmake's affair; libtiff alone is always needed.
-set(FFP_PACKAGES PNG:libpng ZLIB:zlib JPEG:libjpeg OPENEXR:OpenEXR JANSSON:jansson YAML:yaml-0.1 EXPAT:expat ZSTD:libzstd LCMS:lcms2
-                 OPENBLAS:openblas)
+# (cmake/install.cmake). What modules stand on is modules.cmake's affair; libtiff, Little CMS and Zstandard are always needed.
+set(FFP_PACKAGES PNG:libpng ZLIB:zlib JPEG:libjpeg OPENEXR:OpenEXR JANSSON:jansson YAML:yaml-0.1 EXPAT:expat OPENBLAS:openblas)
 foreach(entry ${FFP_PACKAGES})
   string(REPLACE ":" ";" entry ${entry})
   list(GET entry 0 name)
@@ -12,6 +11,8 @@ foreach(entry ${FFP_PACKAGES})
   pkg_check_modules(${name} REQUIRED IMPORTED_TARGET ${module})
 endforeach()
 pkg_check_modules(TIFF REQUIRED IMPORTED_TARGET libtiff-4)
+pkg_check_modules(LCMS REQUIRED IMPORTED_TARGET lcms2)
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 if(TIFF_VERSION VERSION_LESS 4.5)
   message(FATAL_ERROR "libtiff ${TIFF_VERSION} has no error handlers of its files' own: 4.5 is needed")
 endif()

@@ -25,6 +25,9 @@ endfunction()
 
 ffp_module(tiff image src/core/image/tiff_module.c PkgConfig::TIFF)
 set_source_files_properties(src/core/image/tiff.c PROPERTIES INCLUDE_DIRECTORIES "${TIFF_INCLUDE_DIRS}")
+ffp_module(lcms image src/core/image/lcms_module.c PkgConfig::LCMS)
+set_source_files_properties(src/core/image/profile.c PROPERTIES INCLUDE_DIRECTORIES "${LCMS_INCLUDE_DIRS}")
+ffp_module(zstd gaussians src/core/gaussians/zstd_module.c PkgConfig::ZSTD)
 
 ffp_option(EMBREE "Embree 3 or 4, for generated scenes")
 if(NOT FFPROCAMS_EMBREE STREQUAL "OFF")

@@ -8,13 +8,13 @@ ffp_room(base CALLS LIBS ${CMAKE_DL_LIBS} READERS base64 file kind text)
 # least squares, ranks, surface nets
 ffp_room(numerics DEPS base LIBS PkgConfig::OPENBLAS)
 # float images, PNG, JPEG, TIFF, EXR, raw photographs and films (by other programs), sRGB, resizing, pattern lookup
-ffp_room(image NUMERIC DEPS base LIBS PkgConfig::PNG PkgConfig::JPEG PkgConfig::OPENEXR PkgConfig::ZLIB PkgConfig::LCMS
+ffp_room(image NUMERIC DEPS base LIBS PkgConfig::PNG PkgConfig::JPEG PkgConfig::OPENEXR PkgConfig::ZLIB
          READERS exr foreign jpeg orientation photograph png profile profile_find raw read stream tiff)
 # kernels on plain arrays: products, norms, attention, state-space scan, Adam; safetensors
 ffp_room(tensor NUMERIC PRODUCTS DEPS base LIBS PkgConfig::OPENBLAS PkgConfig::JANSSON READERS safetensors)
 # the Gaussian set and its PLY; splats of other programs
-ffp_room(gaussians NUMERIC DEPS base LIBS PkgConfig::JANSSON PkgConfig::ZLIB PkgConfig::ZSTD
-         READERS affine elsewhere foreign_splats gaussians gltf ply ply_header ply_read ply_rows row splat spz unzstd)
+ffp_room(gaussians NUMERIC DEPS base LIBS PkgConfig::JANSSON PkgConfig::ZLIB
+         READERS affine elsewhere foreign_splats gaussians gltf ply ply_header ply_read ply_rows row splat spz)
 # cameras, projectors, captures: reading, checking, writing, bounds, reducing
 ffp_room(capture NUMERIC DEPS image numerics base LIBS PkgConfig::JANSSON
          READERS bounds capture load manifest names node pad pose read render_poses scene_read whole)

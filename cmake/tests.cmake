@@ -28,7 +28,7 @@ if(CMOCKA_FOUND)
         target_link_libraries(${test} PRIVATE ffp_${room} PkgConfig::CMOCKA)
       endif()
       if(room STREQUAL "image") # they write files too
-        target_link_libraries(${test} PRIVATE PkgConfig::TIFF)
+        target_link_libraries(${test} PRIVATE PkgConfig::TIFF PkgConfig::LCMS)
       endif()
       target_compile_definitions(${test} PRIVATE FFP_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
       target_include_directories(${test} PRIVATE tests)

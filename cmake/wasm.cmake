@@ -6,7 +6,7 @@ set(FFPROCAMS_INSTALL OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE OFF) # a page is one piece
 
 # Others' libraries by the names that rooms.cmake has for them. Those that are empty are not there.
-foreach(entry PNG:libpng16.a,libz.a ZLIB:libz.a JANSSON:libjansson.a JPEG:libjpeg.a YAML:libyaml.a EXPAT:libexpat.a OPENBLAS: OPENEXR: ZSTD: LCMS:)
+foreach(entry PNG:libpng16.a,libz.a ZLIB:libz.a JANSSON:libjansson.a JPEG:libjpeg.a YAML:libyaml.a EXPAT:libexpat.a OPENBLAS: OPENEXR:)
   string(REGEX MATCH "^(.+):(.*)$" entry ${entry})
   string(REPLACE "," ";" files "${CMAKE_MATCH_2}")
   list(TRANSFORM files PREPEND ${FFP_WASM_LIBS}/lib/)

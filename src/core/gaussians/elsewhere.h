@@ -57,7 +57,5 @@ bool ffp_gaussians_read_splat(FfpGaussians *gaussians, const char *path, FfpErro
 // False, with what the file is, if splats, scenes and checkpoints of other programs begin like it, and what
 // converts it. Otherwise it is not there, or is nothing that any command reads.
 bool ffp_refuse_splats(const char *path, FfpError *err);
-// Zstandard, whole: false if it does not decompress to exactly `size` bytes.
-bool ffp_unzstd(unsigned char *out, size_t size, const unsigned char *data, size_t data_size);
 
 #endif

@@ -5,6 +5,7 @@
 #include <zlib.h>
 #include "core/base/file.h"
 #include "core/gaussians/elsewhere.h"
+#include "core/gaussians/zstd_module.h"
 
 #define VERSION_STREAMS 4 // attributes are streams of their own
 #define HEADER_STREAMS 32 // bytes
@@ -196,10 +197,20 @@ static uint64_t get_u64(const unsigned char *bytes) {
     return get_u32(bytes) | (uint64_t)get_u32(bytes + 4) << 32;
 }
 
+static const FfpZstdModule *load_zstd(FfpError *err) {
+    static FfpModule module = {.name = "zstd",
+                               .version = FFP_ZSTD_MODULE_VERSION,
+                               .purpose = "SPZ files of version 4 are read by Zstandard",
+                               .origin = "the library itself: install ffprocams again"};
+    return ffp_module_load(&module, err);
+}
+
 // Version 4. The table has the compressed and the full size of each stream, which follow it in its order.
 static bool unpack_streams(const Spz *spz, unsigned char *out, const unsigned char *bytes, size_t size,
                            FfpError *err) {
     const size_t streams = bytes[15], table = get_u32(bytes + 16);
+    const FfpZstdModule *zstd = load_zstd(err);
+    if (!zstd) return false;
     if (spz->count == 0) return true;
     if (streams < ATTRIBUTES || table < HEADER_STREAMS || table > size || 16 * streams > size - table)
         return ffp_fail(err, FFP_ERROR_FILE, spz->path, "its table of %zu streams lies outside the file",
@@ -209,7 +220,7 @@ static bool unpack_streams(const Spz *spz, unsigned char *out, const unsigned ch
         const size_t full = bytes_of(spz, a) * spz->count;
         const uint64_t packed = get_u64(bytes + table + 16 * (size_t)a);
         if (get_u64(bytes + table + 16 * (size_t)a + 8) != full || packed > size - at ||
-            !ffp_unzstd(out, full, bytes + at, (size_t)packed))
+            zstd->decompress(out, full, bytes + at, (size_t)packed) != full)
             return ffp_fail(err, FFP_ERROR_FILE, spz->path, "its stream %d does not hold %u Gaussians", a,
                             (unsigned)spz->count);
         out += full;

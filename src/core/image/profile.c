@@ -1,9 +1,9 @@
 // Little CMS takes memory of its own, and nothing here leaves while it has some.
 #include "core/image/profile.h"
-#include <lcms2.h>
 #include <math.h>
 #include <string.h>
 #include "core/base/log.h"
+#include "core/image/lcms_module.h"
 
 #define FLOATS(colours, channels, extra)                                                                     \
     (FLOAT_SH(1) | COLORSPACE_SH(colours) | CHANNELS_SH(channels) | EXTRA_SH(extra) |                        \
@@ -13,42 +13,50 @@
 
 enum { GRID = 5, NAME = 64 };
 
-static cmsToneCurve *curve_of(double gamma) {
-    const cmsFloat64Number srgb[5] = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};
-    return gamma > 0 ? cmsBuildGamma(NULL, gamma) : cmsBuildParametricToneCurve(NULL, 4, srgb);
+static const FfpLcmsModule *load(void) {
+    static FfpModule module = {.name = "lcms",
+                               .version = FFP_LCMS_MODULE_VERSION,
+                               .purpose = "colour profiles are read by Little CMS",
+                               .origin = "the library itself: install ffprocams again"};
+    FfpError none = {0};
+    return ffp_module_load(&module, &none);
 }
 
-static cmsHPROFILE open_profile(const FfpColourProfile *profile) {
-    if (profile->kind == FFP_PROFILE_ICC)
-        return cmsOpenProfileFromMem(profile->icc, (cmsUInt32Number)profile->size);
+static cmsToneCurve *curve_of(const FfpLcmsModule *lcms, double gamma) {
+    const cmsFloat64Number srgb[5] = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};
+    return gamma > 0 ? lcms->build_gamma(NULL, gamma) : lcms->build_curve(NULL, 4, srgb);
+}
+
+static cmsHPROFILE open_profile(const FfpLcmsModule *lcms, const FfpColourProfile *profile) {
+    if (profile->kind == FFP_PROFILE_ICC) return lcms->open(profile->icc, (cmsUInt32Number)profile->size);
     const cmsCIExyY white = {profile->white[0], profile->white[1], 1};
     const double *p = profile->primaries;
     const cmsCIExyYTRIPLE primaries = {{p[0], p[1], 1}, {p[2], p[3], 1}, {p[4], p[5], 1}};
-    cmsToneCurve *curve = curve_of(profile->gamma);
+    cmsToneCurve *curve = curve_of(lcms, profile->gamma);
     cmsToneCurve *const curves[3] = {curve, curve, curve};
-    cmsHPROFILE opened = curve ? cmsCreateRGBProfile(&white, &primaries, curves) : NULL;
-    if (curve) cmsFreeToneCurve(curve);
+    cmsHPROFILE opened = curve ? lcms->create_rgb(&white, &primaries, curves) : NULL;
+    if (curve) lcms->free_curve(curve);
     return opened;
 }
 
 // A transform from the profile to sRGB, if it is of these colours; NULL otherwise.
-static cmsHTRANSFORM transform_from(cmsHPROFILE opened, cmsColorSpaceSignature colours, cmsUInt32Number in,
-                                    cmsUInt32Number out) {
-    if (!opened || cmsGetColorSpace(opened) != colours) return NULL;
-    cmsHPROFILE srgb = cmsCreate_sRGBProfile();
-    cmsHTRANSFORM transform = cmsCreateTransform(opened, in, srgb, out, INTENT_RELATIVE_COLORIMETRIC,
-                                                 cmsFLAGS_NOCACHE | cmsFLAGS_COPY_ALPHA);
-    cmsCloseProfile(srgb);
+static cmsHTRANSFORM transform_from(const FfpLcmsModule *lcms, cmsHPROFILE opened,
+                                    cmsColorSpaceSignature colours, cmsUInt32Number in, cmsUInt32Number out) {
+    if (!opened || lcms->colours(opened) != colours) return NULL;
+    cmsHPROFILE srgb = lcms->create_srgb();
+    cmsHTRANSFORM transform = lcms->create_transform(opened, in, srgb, out, INTENT_RELATIVE_COLORIMETRIC,
+                                                     cmsFLAGS_NOCACHE | cmsFLAGS_COPY_ALPHA);
+    lcms->close(srgb);
     return transform;
 }
 
-static bool keeps_colours(cmsHTRANSFORM transform) {
+static bool keeps_colours(const FfpLcmsModule *lcms, cmsHTRANSFORM transform) {
     real worst = 0;
     for (int i = 0; i < GRID * GRID * GRID; i++) {
         real colour[4] = {(real)(i % GRID) / (GRID - 1), (real)(i / GRID % GRID) / (GRID - 1),
                           (real)(i / GRID / GRID) / (GRID - 1), 1},
              out[4];
-        cmsDoTransform(transform, colour, out, 1);
+        lcms->transform(transform, colour, out, 1);
         for (int c = 0; c < 3; c++) {
             const real off = out[c] - colour[c];
             worst = off > worst ? off : -off > worst ? -off : worst;
@@ -59,21 +67,24 @@ static bool keeps_colours(cmsHTRANSFORM transform) {
 
 bool ffp_profile_is_srgb(const FfpColourProfile *profile) {
     if (profile->kind == FFP_PROFILE_NONE) return true;
-    cmsHPROFILE opened = open_profile(profile);
+    const FfpLcmsModule *lcms = load();
+    if (!lcms) return false;
+    cmsHPROFILE opened = open_profile(lcms, profile);
     cmsHTRANSFORM transform =
-        transform_from(opened, cmsSigRgbData, FLOATS(PT_RGB, 3, 1), FLOATS(PT_RGB, 3, 1));
-    const bool same = transform && keeps_colours(transform);
-    if (transform) cmsDeleteTransform(transform);
-    if (opened) cmsCloseProfile(opened);
+        transform_from(lcms, opened, cmsSigRgbData, FLOATS(PT_RGB, 3, 1), FLOATS(PT_RGB, 3, 1));
+    const bool same = transform && keeps_colours(lcms, transform);
+    if (transform) lcms->delete_transform(transform);
+    if (opened) lcms->close(opened);
     return same;
 }
 
-static void describe(cmsHPROFILE opened, const FfpColourProfile *profile, char name[NAME]) {
+static void describe(const FfpLcmsModule *lcms, cmsHPROFILE opened, const FfpColourProfile *profile,
+                     char name[NAME]) {
     snprintf(name, NAME, "%s",
              profile->kind == FFP_PROFILE_ICC ? "its colour profile" : "its tags of colour");
     char said[NAME] = "";
     if (profile->kind != FFP_PROFILE_ICC) return;
-    cmsGetProfileInfoASCII(opened, cmsInfoDescription, "en", "US", said, sizeof said);
+    lcms->info(opened, cmsInfoDescription, "en", "US", said, sizeof said);
     for (char *at = said; *at; at++)
         if (*at < ' ' || *at > '~') *at = '?';
     if (*said) snprintf(name, NAME, "%s", said);
@@ -83,22 +94,22 @@ static void clip(real *values, size_t count) {
     for (size_t i = 0; i < count; i++) values[i] = values[i] > 0 ? (values[i] < 1 ? values[i] : 1) : 0;
 }
 
-static void convert_rows(cmsHTRANSFORM transform, FfpImage *rgba) {
+static void convert_rows(const FfpLcmsModule *lcms, cmsHTRANSFORM transform, FfpImage *rgba) {
     const size_t row = 4 * (size_t)rgba->width;
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < rgba->height; y++) {
         real *values = rgba->data + row * (size_t)y;
-        cmsDoTransform(transform, values, values, (cmsUInt32Number)rgba->width);
+        lcms->transform(transform, values, values, (cmsUInt32Number)rgba->width);
         clip(values, row);
     }
 }
 
 // Greys came as three equal values.
-static void convert_greys(cmsHTRANSFORM transform, FfpImage *rgba) {
+static void convert_greys(const FfpLcmsModule *lcms, cmsHTRANSFORM transform, FfpImage *rgba) {
     const size_t pixels = (size_t)rgba->width * (size_t)rgba->height;
     for (size_t i = 0; i < pixels; i++) {
         real *at = rgba->data + 4 * i, grey = at[0];
-        cmsDoTransform(transform, &grey, at, 1);
+        lcms->transform(transform, &grey, at, 1);
         clip(at, 3);
     }
 }
@@ -110,19 +121,24 @@ void ffp_profile_apply(const FfpColourProfile *profile, FfpImage *rgba, const ch
         ffp_note("%s: is HDR (PQ or HLG), and is read as if it were not: save it as sRGB or EXR", path);
         return;
     }
-    cmsHPROFILE opened = open_profile(profile);
-    const bool grey = opened && cmsGetColorSpace(opened) == cmsSigGrayData;
+    const FfpLcmsModule *lcms = load();
+    if (!lcms) {
+        ffp_note(IGNORED, path);
+        return;
+    }
+    cmsHPROFILE opened = open_profile(lcms, profile);
+    const bool grey = opened && lcms->colours(opened) == cmsSigGrayData;
     cmsHTRANSFORM transform =
-        grey ? transform_from(opened, cmsSigGrayData, FLOATS(PT_GRAY, 1, 0), FLOATS(PT_RGB, 3, 0))
-             : transform_from(opened, cmsSigRgbData, FLOATS(PT_RGB, 3, 1), FLOATS(PT_RGB, 3, 1));
-    const bool same = transform && !grey && keeps_colours(transform);
-    if (opened) describe(opened, profile, name);
+        grey ? transform_from(lcms, opened, cmsSigGrayData, FLOATS(PT_GRAY, 1, 0), FLOATS(PT_RGB, 3, 0))
+             : transform_from(lcms, opened, cmsSigRgbData, FLOATS(PT_RGB, 3, 1), FLOATS(PT_RGB, 3, 1));
+    const bool same = transform && !grey && keeps_colours(lcms, transform);
+    if (opened) describe(lcms, opened, profile, name);
     if (transform && grey)
-        convert_greys(transform, rgba);
+        convert_greys(lcms, transform, rgba);
     else if (transform && !same)
-        convert_rows(transform, rgba);
-    if (transform) cmsDeleteTransform(transform);
-    if (opened) cmsCloseProfile(opened);
+        convert_rows(lcms, transform, rgba);
+    if (transform) lcms->delete_transform(transform);
+    if (opened) lcms->close(opened);
     if (!transform)
         ffp_note(IGNORED, path);
     else if (!same && !grey)
@@ -133,22 +149,27 @@ bool ffp_profile_inks(const FfpColourProfile *profile, const unsigned char *inks
                       FfpImage *rgba, const char *path) {
     char name[NAME] = "";
     if (profile->kind != FFP_PROFILE_ICC) return false;
-    cmsHPROFILE opened = open_profile(profile);
+    const FfpLcmsModule *lcms = load();
+    if (!lcms) {
+        ffp_note(IGNORED, path);
+        return false;
+    }
+    cmsHPROFILE opened = open_profile(lcms, profile);
     cmsHTRANSFORM transform =
-        transform_from(opened, cmsSigCmykData, FLOATS(PT_CMYK, 4, 0), FLOATS(PT_RGB, 3, 0));
+        transform_from(lcms, opened, cmsSigCmykData, FLOATS(PT_CMYK, 4, 0), FLOATS(PT_RGB, 3, 0));
     const size_t pixels = (size_t)rgba->width * (size_t)rgba->height;
-    if (transform) describe(opened, profile, name);
+    if (transform) describe(lcms, opened, profile, name);
     for (size_t i = 0; transform && i < pixels; i++) {
         real *at = rgba->data + 4 * i, ink[4];
         for (int c = 0; c < 4; c++) // per cent
             ink[c] =
                 (real)100 / 255 * (real)(inverted ? 255 - inks[4 * i + (size_t)c] : inks[4 * i + (size_t)c]);
-        cmsDoTransform(transform, ink, at, 1);
+        lcms->transform(transform, ink, at, 1);
         clip(at, 3);
         at[3] = 1;
     }
-    if (transform) cmsDeleteTransform(transform);
-    if (opened) cmsCloseProfile(opened);
+    if (transform) lcms->delete_transform(transform);
+    if (opened) lcms->close(opened);
     if (transform)
         ffp_note("%s: converted from %s to sRGB", path, name);
     else
