@@ -283,6 +283,9 @@ static bool open_assets(Job *job, FfpError *err) {
 
 static bool photograph_dressed(const Job *job, const FfpSceneSpec *spec, FfpError *err) {
     const FfpDatasetSettings *options = job->options;
+    if (spec->rig == FFP_SCENE_WALK && (options->room || options->only))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, options->room ? "room" : "only",
+                        "is of an object's photographs: a walk is a whole scene, from all its places");
     if (spec->rig == FFP_SCENE_WALK)
         return ffp_walk_photographs_write(options->folder, options->photographs, spec, err);
     const FfpPhotographs photographs = {options->folder, options->photographs, options->attitudes,

@@ -102,6 +102,12 @@ static void what_is_missing_is_said(void **state) {
     o = options_for("shots", "three");
     if (!ffp_self_calibrate(NULL, &o, &stats, &err)) fail_msg("%s", err.text);
     assert_int_equal(stats.used, PLACES - 1);
+    // A scene has no room around it.
+    FfpGeneration g = ffp_generation_defaults();
+    g.folder = in_scratch("room"), g.photographs = in_scratch("patterns"), g.rig = FFP_RIG_WALK, g.count = 1;
+    g.room = true;
+    assert_false(ffp_generate(NULL, &g, &err));
+    assert_non_null(strstr(err.text, "whole scene"));
     o.length = -1;
     assert_false(ffp_self_calibrate(NULL, &o, NULL, &err));
     assert_non_null(strstr(err.text, "length"));
