@@ -1,10 +1,13 @@
 // Import: one photograph as linear light without lens distortion.
+#include <pthread.h>
 #include <tgmath.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 #include "rig/import/import_steps.h"
 
 #define SAMPLES_LEFT 4 // a side of the capture's pixels, from which on a photograph may be reduced before
+
+static pthread_mutex_t counting = PTHREAD_MUTEX_INITIALIZER; // several photographs are read at a time
 
 // Exposure of linear values; what then exceeds 1 is cut off when the capture is written, and counted.
 static void expose(FfpImporting *import, FfpImage *image) {
@@ -17,12 +20,11 @@ static void expose(FfpImporting *import, FfpImage *image) {
         image->data[i] *= factor;
         too_bright += image->data[i] > 1.002F;
     }
-#pragma omp critical(ffp_import_brightest)
+    pthread_mutex_lock(&counting);
     import->brightest = fmax(import->brightest, brightest);
-#pragma omp atomic
     import->too_bright += too_bright;
-#pragma omp atomic
     import->values += count;
+    pthread_mutex_unlock(&counting);
 }
 
 // Photographs are read by several threads.

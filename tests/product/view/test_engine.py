@@ -1,67 +1,62 @@
-#!/ usr / bin / env python3
-""
-    "The page that reconstructs (script/test-wasm) in a headless browser, with the network off: a capture dropped in,
-    reconstructed,
-    shown and saved;
-photographs with a calibration;
-what the program makes of the same capture;
-what is refused.Then the same page from a server that isolates it,
-    with threads
-            .
+#!/usr/bin/env python3
+"""The page that reconstructs (script/test-wasm) in a headless browser, with the network off: a capture dropped in,
+reconstructed, shown and saved; photographs with a calibration; what the program makes of the same capture; what is refused.
+Then the same page from a server that isolates it, with threads.
 
-        test_engine.py PAGE CAPTURE CAPTURE -
-        WITH - EXR -
-        TRUTH FOLDER[PROGRAM] screenshots and files stay in FOLDER
+    test_engine.py PAGE CAPTURE CAPTURE-WITH-EXR-TRUTH FOLDER [PROGRAM]     screenshots and files stay in FOLDER
 
-            Exits with 77 and a line where there is no browser
-                .""
-                 "
-        import base64 import functools import glob import gzip import http.server import json import os import
-            re import shutil import subprocess import sys import threading import time import zipfile
+Exits with 77 and a line where there is no browser."""
+import base64
+import functools
+import glob
+import gzip
+import http.server
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import threading
+import time
+import zipfile
 
-                import browser
+import browser
 
-#dB on the photographs it was fitted to, between the page and the program.Moving the camera's centre by 1e-5 of a pixel changes the
-#result by as much as 0.14 at any level(docs / design / portability.md),                                     \
-    and their means over eight such moves by 0.02.
-                    PSNR_MOST = 0.2
+# dB on the photographs it was fitted to, between the page and the program. Moving the camera's centre by 1e-5 of a pixel changes the
+# result by as much as 0.14 at any level (docs/design/portability.md), and their means over eight such moves by 0.02.
+PSNR_MOST = 0.2
 
-#Processor seconds of the page with all that the browser does,                                               \
-    in those of the program on one thread at avx2.Measured : 2.6 to 3.4
-#(docs / design / portability.md); a browser that draws all the time while the engine works had 6.
-    SECONDS_MOST = 5
+# Processor seconds of the page with all that the browser does, in those of the program on one thread at avx2. Measured: 2.6 to 3.4
+# (docs/design/portability.md); a browser that draws all the time while the engine works had 6.
+SECONDS_MOST = 5
 
-#Of a function of the module with threads : wasm / openmp.c hands 18(ARGUMENTS_MAX)of a region's variables on, behind two of its own.
-    PARAMETERS_MOST = 20
+# Of a function of the module with threads: wasm/openmp.c hands 18 (ARGUMENTS_MAX) of a region's variables on, behind two of its own.
+PARAMETERS_MOST = 20
 
-                      class Isolating(http.server.SimpleHTTPRequestHandler)
-    : ""
-      "Serves a folder with what lets pages share memory among threads."
-      ""
 
-      def
-      end_headers(self)
-    : self.send_header("Cross-Origin-Opener-Policy", "same-origin")
-          self.send_header("Cross-Origin-Embedder-Policy", "require-corp") super()
-              .end_headers()
+class Isolating(http.server.SimpleHTTPRequestHandler):
+    """Serves a folder with what lets pages share memory among threads."""
 
-                  def
-                  log_message(self, *_)
-    : pass
+    def end_headers(self):
+        self.send_header("Cross-Origin-Opener-Policy", "same-origin")
+        self.send_header("Cross-Origin-Embedder-Policy", "require-corp")
+        super().end_headers()
 
-          def
-          serve(folder)
-    : server = http.server
-                   .ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Isolating, directory = folder))
-                       threading.Thread(target = server.serve_forever, daemon = True)
-                   .start() return server
+    def log_message(self, *_):
+        pass
 
-                       def
-                       stat_of(folder)
-    : ""
-      "Name, parent and processor seconds of a process or thread, from /proc; None: it has ended."
-      "" try : with
-      open(f "{folder}/stat") as file:
+
+def serve(folder):
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Isolating, directory=folder))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    return server
+
+
+def stat_of(folder):
+    """Name, parent and processor seconds of a process or thread, from /proc; None: it has ended."""
+    try:
+        with open(f"{folder}/stat") as file:
             before, _, behind = file.read().rpartition(")")
     except OSError:
         return None
@@ -76,9 +71,8 @@ def family_of(pid):
     while more:
         below = {child for child, (_, parent, _) in all_of_them.items() if parent in family} - family
         family, more = family | below, bool(below)
-    return {
-    one: all_of_them[one][2] for one in family if one in all_of_them
-    }
+    return {one: all_of_them[one][2] for one in family if one in all_of_them}
+
 
 def seconds_of(pid):
     return sum(family_of(pid).values())
@@ -103,7 +97,7 @@ class Page(browser.Browser):
 
     def reconstruct(self, path, seconds):
         self.drop(path)
-#Each look costs the browser some, and its seconds are measured.
+        # Each look costs the browser some, and its seconds are measured.
         self.wait("!document.getElementById('result').hidden || !document.getElementById('problem').hidden", seconds, every=0.5)
         assert self.run("document.getElementById('problem').hidden"), self.run("document.getElementById('why').textContent")
         return json.loads(self.run("document.body.dataset.stats"))
@@ -131,8 +125,7 @@ class Page(browser.Browser):
 
 def native(program, capture, folder, threads):
     """What the program says, processor seconds and MB; on x86-64 at avx2."""
-    level = {"FFPROCAMS_CPU": "avx2"} if os.uname().machine == "x86_64" else {
-}
+    level = {"FFPROCAMS_CPU": "avx2"} if os.uname().machine == "x86_64" else {}
     child = subprocess.Popen([program, "reconstruct", capture, "-o", os.path.join(folder, "native.ply")],
                              env={**os.environ, "OMP_NUM_THREADS": str(threads), **level}, stdout=subprocess.PIPE,
                              stderr=subprocess.STDOUT, text=True)
@@ -152,7 +145,7 @@ def zipped(capture, path):
 
 
 def check_files(page, folder):
-#SPZ 2 is packed by gzip and begins with NGSP.
+    # SPZ 2 is packed by gzip and begins with NGSP.
     magics = {"ply": b"ply\n", "html": b"<!doctype html>", "spz": b"NGSP", "glb": b"glTF\2\0\0\0"}
     saved = page.save(list(magics), folder)
     for kind, magic in magics.items():
