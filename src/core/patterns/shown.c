@@ -133,6 +133,13 @@ bool ffp_shown_read(FfpShown *shown, const char *folder, FfpError *err) {
     return ffp_shown_list(shown, folder, err) && check_numbers(shown, err) && check_names(shown, err);
 }
 
+bool ffp_shown_photographed(const FfpShown *shown, FfpShownKind kind, int *plain, int *codes) {
+    const int others = shown->n - shown->n_codes;
+    *plain = kind == FFP_SHOWN_CODES ? 2 : others;
+    *codes = kind == FFP_SHOWN_PLAIN ? 0 : shown->n_codes;
+    return kind == FFP_SHOWN_ALL || (shown->n_codes > 0 && (kind == FFP_SHOWN_PLAIN || others > 2));
+}
+
 void ffp_shown_free(FfpShown *shown) {
     if (shown->arena) ffp_arena_free(shown->arena);
     *shown = (FfpShown){0};

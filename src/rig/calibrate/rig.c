@@ -74,30 +74,15 @@ static bool read_camera(const FfpRigCalibration *o, FfpCvDevice *camera, FfpErro
                                          "does not say at which image size the camera was calibrated");
 }
 
-// The panel's size, and what of the folders' pictures is needed.
-static bool take_shown(const FfpRigCalibration *o, FfpShotFolders *folders, FfpCvDevice *panel,
-                       FfpError *err) {
-    FfpShown shown;
-    bool ok = ffp_shown_read(&shown, o->shown, err);
-    if (ok && shown.n_codes == 0)
-        ok = ffp_fail(err, FFP_ERROR_FILE, o->shown, "has no Gray codes, which a calibration is made from");
-    if (ok) {
-        panel->width = shown.width;
-        panel->height = shown.height;
-        ffp_shot_folders_take(folders, &shown);
-    }
-    ffp_shown_free(&shown);
-    return ok;
-}
-
 // The attitudes' names are the folders'.
 static bool fit_rig(const FfpRigCalibration *o, FfpShotFolders *folders, FfpRigFit *fit, FfpError *err) {
     if (!ffp_shot_folders_find(folders, o->attitudes, o->n_attitudes, err)) return false;
     fit->fixed[0] = o->fix_camera;
     fit->fixed[1] = o->fix_projector;
-    fit->devices[1].width = o->width;
-    fit->devices[1].height = o->height;
-    if (o->shown && !take_shown(o, folders, &fit->devices[1], err)) return false;
+    FfpCvDevice *panel = &fit->devices[1];
+    panel->width = o->width, panel->height = o->height;
+    if (o->shown && !ffp_shot_folders_take(folders, o->shown, &panel->width, &panel->height, err))
+        return false;
     return ffp_read_attitudes(fit, folders, err) && ffp_fit_rig(fit, err) && ffp_judge_terms(fit, err);
 }
 

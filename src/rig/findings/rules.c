@@ -380,8 +380,7 @@ static const FfpRule rules[FFP_RULES] = {
         {"codes-of-twelve-bits", "exposure", FAULT, "of full scale", 4095.5 / 65535,
          "no value of '{a}' is above {figure:.4f} of full scale, as of 12 bits in files of 16",
          "save the photographs as sRGB that fills the file's range, as cameras' JPEGs do; if they are as "
-         "dark "
-         "as that, expose longer",
+         "dark as that, was the projector on? Expose longer",
          NULL},
     [FFP_RULE_PLAIN_CLIPPED] = {"black-and-white-overexposed", "exposure", FAULT, ALL_PIXELS, 0.1,
                                 "{figure:.0%} of '{a}' are at the camera's limit",

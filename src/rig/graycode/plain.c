@@ -142,7 +142,7 @@ static bool check_range(const Plain *p, const FfpGrayPhotographs *from, FfpError
     float most = 0;
     for (size_t i = 0; i < (size_t)p->width * (size_t)p->height; i++) most = fmaxf(most, p->grey[1][i]);
     const double value = (double)ffp_srgb_encode((real)most);
-    return from->linear || !p->lit || value > ffp_rule(FFP_RULE_CODES_FEW_BITS)->limit ||
+    return from->linear || value <= 0 || value > ffp_rule(FFP_RULE_CODES_FEW_BITS)->limit ||
            ffp_fail_by(FFP_RULE_CODES_FEW_BITS, &(FfpFacts){.a = ffp_basename(lighter), .figure = value},
                        lighter, err);
 }

@@ -130,24 +130,13 @@ static bool read_places(Reading *r, FfpError *err) {
     return ok;
 }
 
-static bool take_shown(const FfpSelfCalibration *o, Reading *r, FfpError *err) {
-    FfpShown shown;
-    bool ok = ffp_shown_read(&shown, o->shown, err);
-    if (ok && shown.n_codes == 0)
-        ok = ffp_fail(err, FFP_ERROR_FILE, o->shown, "has no Gray codes, which a calibration is made from");
-    if (ok) {
-        r->tracks->panel_width = shown.width, r->tracks->panel_height = shown.height;
-        ffp_shot_folders_take(&r->folders, &shown);
-    }
-    ffp_shown_free(&shown);
-    return ok;
-}
-
 static bool read_all(const FfpSelfCalibration *o, FfpTracks *tracks, FfpError *err) {
     Reading r = {.tracks = tracks, .shrink = 1};
     tracks->panel_width = o->width, tracks->panel_height = o->height;
     bool ok = ffp_shot_folders_find(&r.folders, o->places, o->n_places, err) &&
-              (!o->shown || take_shown(o, &r, err)) && read_places(&r, err);
+              (!o->shown || ffp_shot_folders_take(&r.folders, o->shown, &tracks->panel_width,
+                                                  &tracks->panel_height, err)) &&
+              read_places(&r, err);
     ffp_shot_folders_free(&r.folders);
     return ok;
 }

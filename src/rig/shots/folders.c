@@ -9,6 +9,7 @@
 #include "core/base/call.h"
 #include "core/base/file.h"
 #include "core/image/photograph.h"
+#include "core/patterns/shown.h"
 #include "rig/findings/tell.h"
 #include "rig/shots/file_names.h"
 
@@ -98,23 +99,40 @@ bool ffp_shot_folders_find(FfpShotFolders *out, const char *const *paths, int n_
     return true;
 }
 
-void ffp_shot_folders_take(FfpShotFolders *folders, const FfpShown *shown) {
-    const int coded = 2 + shown->n_codes, skipped = shown->n - coded;
-    for (int i = 0; i < folders->n; i++) {
-        FfpShotFolder *folder = &folders->folders[i];
-        if (folder->n_files == shown->n) {
-            for (int k = 2; k < coded; k++) folder->files[k] = folder->files[k + skipped];
-            folder->n_files = coded;
-        } else if (folder->n_files != coded) {
-            char problem[FFP_PATH_MAX + 160];
-            snprintf(problem, sizeof problem,
-                     "%d photographs, but %s has %d patterns: one photograph of each is needed, or of black, "
-                     "white "
-                     "and the %d Gray codes alone",
-                     folder->n_files, shown->folder, shown->n, shown->n_codes);
-            folder->problem = ffp_arena_text(folders->arena, problem);
-        }
+// Its pictures of black, white and the codes; false: it has others.
+static bool take_codes(FfpShotFolder *folder, const FfpShown *shown) {
+    int plain, codes;
+    for (int kind = 0; kind < FFP_SHOWN_KINDS; kind++) {
+        if (!ffp_shown_photographed(shown, kind, &plain, &codes) || codes == 0 ||
+            folder->n_files != plain + codes)
+            continue;
+        for (int k = 0; k < codes; k++) folder->files[2 + k] = folder->files[plain + k];
+        folder->n_files = 2 + codes;
+        return true;
     }
+    return false;
+}
+
+bool ffp_shot_folders_take(FfpShotFolders *folders, const char *shown_folder, int *width, int *height,
+                           FfpError *err) {
+    FfpShown shown;
+    bool ok = ffp_shown_read(&shown, shown_folder, err);
+    if (ok && shown.n_codes == 0)
+        ok = ffp_fail(err, FFP_ERROR_FILE, shown_folder,
+                      "has no Gray codes, which a calibration is made from");
+    for (int i = 0; ok && i < folders->n; i++) {
+        FfpShotFolder *folder = &folders->folders[i];
+        char problem[FFP_PATH_MAX + 160];
+        if (take_codes(folder, &shown)) continue;
+        snprintf(problem, sizeof problem,
+                 "%d photographs, but %s has %d patterns: one photograph of each is needed, or of black, "
+                 "white and the %d Gray codes alone",
+                 folder->n_files, shown_folder, shown.n, shown.n_codes);
+        folder->problem = ffp_arena_text(folders->arena, problem);
+    }
+    if (ok) *width = shown.width, *height = shown.height;
+    ffp_shown_free(&shown);
+    return ok;
 }
 
 void ffp_shot_folders_free(FfpShotFolders *out) {

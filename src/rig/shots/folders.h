@@ -6,7 +6,6 @@
 #include <sys/types.h>
 #include "core/base/arena.h"
 #include "core/base/error.h"
-#include "core/patterns/shown.h"
 
 enum { FFP_ATTITUDES_MAX = 512 };
 
@@ -29,9 +28,11 @@ typedef struct FfpShotFolders {
 // order. Errors: a folder that is named twice, is not there or holds neither pictures nor folders with
 // pictures, more than FFP_ATTITUDES_MAX.
 bool ffp_shot_folders_find(FfpShotFolders *out, const char *const *paths, int n_paths, FfpError *err);
-// Of folders with a picture for each pattern that was shown only black, white and the codes stay, in this
-// order. Folders with pictures of these alone stay as they are; all others have a problem.
-void ffp_shot_folders_take(FfpShotFolders *folders, const FfpShown *shown);
+// Of folders with pictures of all that was shown (the folder of patterns) only those under black, white and
+// the Gray codes stay, in this order; folders with pictures of these alone stay as they are, and all others
+// have a problem. *width, *height: of the panel. Errors: of ffp_shown_read, and patterns without Gray codes.
+bool ffp_shot_folders_take(FfpShotFolders *folders, const char *shown, int *width, int *height,
+                           FfpError *err);
 void ffp_shot_folders_free(FfpShotFolders *out);
 
 #endif

@@ -83,53 +83,55 @@ static bool find_group(FfpShots *shots, const Group *group, const FfpCalibration
 
 // --- Photographs of everything that was shown. ---
 
-// The paths [n_stops, *n]: of all patterns or, where there are fewer photographs, of those before the codes.
+// The paths [n_stops, *plain + *codes] of all that was shown or, where there are fewer photographs, of those
+// before the codes. (Black, white and the codes alone are as many as all of which one is missing.)
 static const char **find_shown(FfpShots *shots, const char *template, const FfpCalibration *calibration,
-                               int *n, FfpError *err) {
+                               int *plain, int *codes, FfpError *err) {
     const FfpShown *shown = &shots->shown;
-    const size_t stops = (size_t)calibration->n_stops;
+    const int others = shown->n - shown->n_codes;
     const char **names = ffp_arena_alloc(shots->arena, (size_t)shown->n, sizeof *names),
-               **paths = ffp_arena_alloc(shots->arena, stops * (size_t)shown->n, sizeof *paths);
-    const int plain = shown->n - shown->n_codes;
+               **paths =
+                   ffp_arena_alloc(shots->arena, (size_t)(calibration->n_stops * shown->n), sizeof *paths);
     char order[160] = "";
-    FfpError error = {0};
-    for (int i = 0; i < shown->n; i++) names[i] = shown->patterns[i].name;
     if (shown->n_codes > 0)
-        snprintf(order, sizeof order, " for all that was shown, or %d without the Gray codes", plain);
-    FfpFileSet set = {template, calibration, names, shown->n, "photographs", "pattern", order, false};
-    *n = shown->n;
-    if (ffp_files_find(paths, shots->arena, &set, err)) return paths;
-    if (shown->n_codes == 0) return NULL;
-    set.n_names = *n = plain;
-    set.order = "";
-    paths[0] = NULL;
-    if (ffp_files_find(paths, shots->arena, &set, &error)) return paths;
-    if (paths[0] && err) *err = error; // the first view has no codes: another one is to blame
+        snprintf(order, sizeof order, " for all that was shown, or %d without the Gray codes", others);
+    for (int kind = FFP_SHOWN_ALL; kind <= FFP_SHOWN_PLAIN; kind++) {
+        if (!ffp_shown_photographed(shown, kind, plain, codes)) continue;
+        const int n = *plain + *codes;
+        for (int i = 0; i < n; i++) names[i] = shown->patterns[i].name;
+        const FfpFileSet set = {
+            template, calibration, names, n, "photographs", "pattern", kind == FFP_SHOWN_ALL ? order : "",
+            false};
+        FfpError error = {0};
+        paths[0] = NULL;
+        if (ffp_files_find(paths, shots->arena, &set, &error)) return paths;
+        // The first view has no codes where paths[0] is set: another one is to blame.
+        if (err && (kind == FFP_SHOWN_ALL || paths[0])) *err = error;
+    }
     return NULL;
 }
 
 static bool take_all_shown(FfpShots *shots, const char *template, const FfpCalibration *calibration,
                            FfpError *err) {
-    const int stops = calibration->n_stops, plain = shots->shown.n - shots->shown.n_codes;
-    int n;
+    const int stops = calibration->n_stops;
+    int plain, codes;
     if (!template || template[0] == 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no file is named");
     if (!shots->shown.arena)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "'%.100s' is without names of patterns", template);
-    const char **paths = find_shown(shots, template, calibration, &n, err);
+    const char **paths = find_shown(shots, template, calibration, &plain, &codes, err);
     if (!paths) return false;
+    const int n = plain + codes;
     for (int p = 0; p < plain; p++) {
         const int pattern = pattern_index(shots, shots->shown.patterns[p].name, err);
         if (pattern < 0) return false;
         for (int stop = 0; stop < stops; stop++)
             if (!set_picture(shots, calibration, stop, pattern, paths[stop * n + p], err)) return false;
     }
-    if (n == plain) return true;
+    if (codes == 0) return true;
     if (shots->codes) return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "the Gray codes come twice");
-    shots->n_codes = n - plain;
-    shots->codes =
-        ffp_arena_alloc(shots->arena, (size_t)stops * (size_t)shots->n_codes, sizeof *shots->codes);
-    for (int i = 0; i < stops * shots->n_codes; i++)
-        shots->codes[i] = paths[i / shots->n_codes * n + plain + i % shots->n_codes];
+    shots->n_codes = codes;
+    shots->codes = ffp_arena_alloc(shots->arena, (size_t)stops * (size_t)codes, sizeof *shots->codes);
+    for (int i = 0; i < stops * codes; i++) shots->codes[i] = paths[i / codes * n + plain + i % codes];
     return true;
 }
 
