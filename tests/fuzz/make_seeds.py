@@ -70,7 +70,7 @@ def dot_splat():
 
 
 def gltf_splats(binary, extension='KHR_gaussian_splatting', space='srgb_rec709_display', moved='', times=1, size=math.exp(-4), uri='',
-                how=None):
+                how=None, change=None):
     half, dc = math.sqrt(0.75), 1.0
     columns = {
         'POSITION': ([0.5, -1, 2, 0, 0, 0], 'VEC3'),
@@ -99,6 +99,8 @@ def gltf_splats(binary, extension='KHR_gaussian_splatting', space='srgb_rec709_d
     if moved == 'parent':  # by columns: x to y, y to z, z to x, all twice as large
         root['nodes'][0]['matrix'] = [0, 2, 0, 0, 0, 0, 2, 0, 2, 0, 0, 0, 0, 0, 0, 1]
         root['nodes'][1]['scale'] = [1, 1, -3]
+    if change:
+        change(root)
     if uri:
         root['buffers'][0]['uri'] = uri
         return as_json(root), data
@@ -135,6 +137,17 @@ def splats():
     write('gltf', 'negative.glb', gltf_splats(True, size=-1))
     write('gltf', 'packed.glb', gltf_splats(True, how={'extensions': {'KHR_gaussian_splatting_compression_spz_2': {}}}))
     write('gltf', 'kernel.glb', gltf_splats(True, how={'kernel': 'customShape', 'extensions': {'EXT_kernel_customShape': {}}}))
+    twice = {'nodes': [{'mesh': 0}, {'mesh': 0}], 'scenes': [{'nodes': [1]}, {'nodes': [0]}], 'scene': 1}
+    write('gltf', 'hidden.glb', gltf_splats(True, change=lambda root: root.update(twice)))
+    write('gltf', 'meshopt.glb', gltf_splats(True, change=lambda root: root.update(extensionsRequired=['EXT_meshopt_compression'])))
+
+    def stand_in(root):
+        root['buffers'].append({'byteLength': root['buffers'][0]['byteLength']})
+        for view in root['bufferViews']:
+            view['buffer'] = 1
+
+    write('gltf', 'stand_in.glb', gltf_splats(True, change=stand_in))
+    write('gltf', 'sparse.glb', gltf_splats(True, change=lambda root: root['accessors'][0].update(sparse={'count': 1})))
     text, data = gltf_splats(False, uri='parts/a%2Cb.bin')
     write('gltf', 'beside.gltf', text)
     write('gltf/parts', 'a,b.bin', data)
@@ -320,6 +333,7 @@ def foreign_plys():
 
     ascii_rows = ''.join(' '.join(f'{value:.9g}' for value in row) + '\n' for row in rows)
     write('ply', 'ascii.ply', head('ascii') + ascii_rows)
+    write('ply', 'loose.ply', head('ascii', before=f'comment {"settings " * 200}\n \t\n').replace('\n', ' \r\n') + ascii_rows)
     write('ply', 'ascii_short.ply', head('ascii') + ascii_rows[:-4])
     write('ply', 'ascii_word.ply', head('ascii') + ascii_rows.replace('-4', 'four', 1))
     write('ply', 'big.ply', head('binary_big_endian').encode() + b''.join(struct.pack('>14f', *row) for row in rows))

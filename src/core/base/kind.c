@@ -22,17 +22,26 @@ static bool is_image(const unsigned char *head, size_t size) {
            begins(head, size, "MM\0*", 4);
 }
 
+static bool holds(const unsigned char *head, size_t size, const char *mark) {
+    const size_t length = strlen(mark);
+    for (size_t i = 0; i + length <= size; i++)
+        if (memcmp(head + i, mark, length) == 0) return true;
+    return false;
+}
+
 // Safetensors whose metadata, which come first, say so (lab/baselines/file.c).
 static bool is_field(const unsigned char *head, size_t size) {
-    static const char mark[] = "\"ffprocams neural field 1\"";
-    for (size_t i = 8; i + sizeof mark - 1 <= size; i++)
-        if (memcmp(head + i, mark, sizeof mark - 1) == 0) return true;
-    return false;
+    return holds(head, size, "\"ffprocams neural field 1\"");
 }
 
 static bool ends_with(const char *path, const char *ending) {
     const size_t length = strlen(path), end = strlen(ending);
     return length >= end && strcasecmp(path + length - end, ending) == 0;
+}
+
+// Splats of other programs that are JSON files with data beside them: LCC, SOG that is not zipped.
+static bool is_foreign_json(const unsigned char *head, size_t size, const char *path) {
+    return ends_with(path, ".lcc") || (ends_with(path, "meta.json") && holds(head, size, "\"means\""));
 }
 
 FfpKind ffp_file_kind(const char *path) {
@@ -44,12 +53,12 @@ FfpKind ffp_file_kind(const char *path) {
     fclose(stream);
     if (size > 8 && head[7] == 0 && head[8] == '{') // the header's length before it
         return is_field(head, size) ? FFP_KIND_FIELD : FFP_KIND_WEIGHTS;
-    if (begins(head, size, "ply", 3) && size > 3 && (head[3] == '\n' || head[3] == '\r')) return FFP_KIND_PLY;
+    if (begins(head, size, "ply", 3) && size > 3 && memchr(" \t\r\n", head[3], 4)) return FFP_KIND_PLY;
     if (begins(head, size, "\x1f\x8b", 2) || begins(head, size, "NGSP", 4)) return FFP_KIND_SPZ;
     if (begins(head, size, "glTF", 4) || (is_json(head, size) && ends_with(path, ".gltf")))
         return FFP_KIND_GLTF;
     if (is_image(head, size)) return FFP_KIND_IMAGE;
-    if (is_json(head, size)) return FFP_KIND_JSON;
+    if (is_json(head, size)) return is_foreign_json(head, size, path) ? FFP_KIND_UNKNOWN : FFP_KIND_JSON;
     return ends_with(path, ".splat") ? FFP_KIND_SPLAT : FFP_KIND_UNKNOWN; // has no mark
 }
 

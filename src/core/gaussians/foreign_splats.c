@@ -19,6 +19,7 @@ typedef struct Foreign {
 static const Foreign table[] = {
     {"PK\3\4", ".sog", "SOG", CONVERT},
     {NULL, ".ksplat", "KSPLAT", CONVERT},
+    {NULL, "meta.json", "SOG", CONVERT},
     {NULL, ".lcc", "an LCC scene", CONVERT},
     {NULL, ".rad", "a RAD scene", CONVERT},
     {"PK\3\4", ".usdz", "a USD scene", CONVERT},

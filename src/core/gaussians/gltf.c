@@ -141,7 +141,8 @@ static bool open_buffers(Gltf *gltf, FfpError *err) {
         const char *uri = json_string_value(json_object_get(json_array_get(list, i), "uri"));
         Buffer *buffer = &gltf->buffers[gltf->n_buffers++];
         if (!uri)
-            *buffer = gltf->chunk;
+            *buffer =
+                i == 0 ? gltf->chunk : (Buffer){0}; // others without one stand for what an extension unpacks
         else if (!(strncmp(uri, "data:", 5) == 0 ? decode_uri : read_beside)(gltf, buffer, uri, err))
             return false;
     }
@@ -198,12 +199,16 @@ static bool find_numbers(const Gltf *gltf, const json_t *attributes, const char 
     const json_t *accessor =
         at < 0 ? NULL : json_array_get(json_object_get(gltf->root, "accessors"), (size_t)at);
     const int64_t kind = whole(accessor, "componentType", -1), view = whole(accessor, "bufferView", -1);
+    if (json_object_get(accessor, "sparse"))
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, gltf->path,
+                        "attribute %s: its accessor is sparse, which is not supported: export it as PLY",
+                        name);
     *out = (Numbers){.kind = (int)(kind < 65536 ? kind : 0),
                      .width = width_of(json_string_value(json_object_get(accessor, "type"))),
                      .normalised = json_is_true(json_object_get(accessor, "normalized")),
                      .count = whole(accessor, "count", -1)};
     const bool sound = bytes_of(out->kind) > 0 && out->width == width && out->count >= 0 &&
-                       out->count <= FFP_GAUSSIANS_MAX && view >= 0 && !json_object_get(accessor, "sparse");
+                       out->count <= FFP_GAUSSIANS_MAX && view >= 0;
     const json_t *of =
         view < 0 ? NULL : json_array_get(json_object_get(gltf->root, "bufferViews"), (size_t)view);
     if (sound && lies_inside(gltf, of, whole(accessor, "byteOffset", 0), out)) return true;
@@ -258,6 +263,23 @@ static bool check_extension(const Gltf *gltf, const json_t *how, FfpError *err) 
     if (other)
         ffp_note("%s: splats of %.60s are drawn as ellipses, without what it adds", ffp_basename(gltf->path),
                  other);
+    return true;
+}
+
+// Whoever does not know an extension that a file requires shall not read the file (glTF 2.0, 3.12).
+static bool check_required(const Gltf *gltf, FfpError *err) {
+    static const char *const known[] = {FFP_SPLAT_EXTENSION, "KHR_materials_unlit", "KHR_mesh_quantization"};
+    const json_t *list = json_object_get(gltf->root, "extensionsRequired");
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        const char *name = json_string_value(json_array_get(list, i));
+        bool found = !name;
+        for (size_t k = 0; k < sizeof known / sizeof *known; k++)
+            found = found || strcmp(name, known[k]) == 0;
+        if (!found)
+            return ffp_fail(
+                err, FFP_ERROR_UNSUPPORTED, gltf->path,
+                "requires the extension %.60s, which is not supported: export it without, or as PLY", name);
+    }
     return true;
 }
 
@@ -353,21 +375,30 @@ static FfpAffine transform_of(const json_t *node, bool *moved) {
     return own;
 }
 
-// Applies the node's transform and those of all above it. Error: they go around in a circle.
+// Applies the node's transform and those of all above it, of which the topmost becomes `root`. Error: they go
+// around in a circle.
 static bool place(const Gltf *gltf, const json_t *nodes, const int *parents, size_t node, Placed *placed,
-                  FfpError *err) {
+                  int *root, FfpError *err) {
     placed->moved = false;
     placed->to_world = transform_of(json_array_get(nodes, node), &placed->moved);
     int depth = 0;
     for (int at = parents[node]; at >= 0; at = parents[at]) {
         const FfpAffine above = transform_of(json_array_get(nodes, (size_t)at), &placed->moved);
         placed->to_world = ffp_affine_product(&above, &placed->to_world);
+        *root = at;
         if (++depth == DEPTH_MAX) {
             ffp_fail(err, FFP_ERROR_FILE, gltf->path, "nodes[%zu] has %d others above it", node, depth);
             return false;
         }
     }
     return true;
+}
+
+static bool lists(const json_t *numbers, int number) {
+    bool found = false;
+    for (size_t i = 0; i < json_array_size(numbers); i++)
+        found |= json_integer_value(json_array_get(numbers, i)) == number;
+    return found;
 }
 
 // The splats of a mesh, placed as `where` says.
@@ -388,24 +419,38 @@ static bool add_mesh(const Gltf *gltf, Scene *scene, json_int_t mesh, const Plac
     return true;
 }
 
-// Every mesh as often as nodes show it, and once where none does.
-static bool find_scene(const Gltf *gltf, Scene *scene, int *parents, FfpError *err) {
+// Every mesh as often as nodes of `roots` and below show it (NULL: all nodes), and, for all nodes, once where
+// none does.
+static bool add_meshes(const Gltf *gltf, Scene *scene, const int *parents, const json_t *roots,
+                       FfpError *err) {
     const json_t *nodes = json_object_get(gltf->root, "nodes"),
                  *meshes = json_object_get(gltf->root, "meshes");
-    if (!find_parents(gltf, nodes, parents, err)) return false;
     for (size_t m = 0; m < json_array_size(meshes); m++) {
-        bool shown = false;
+        bool shown = roots != NULL;
         for (size_t i = 0; i < json_array_size(nodes); i++) {
             const json_t *mesh = json_object_get(json_array_get(nodes, i), "mesh");
             Placed placed = {0};
+            int root = (int)i;
             if (!json_is_integer(mesh) || json_integer_value(mesh) != (json_int_t)m) continue;
+            if (!place(gltf, nodes, parents, i, &placed, &root, err)) return false;
+            if (roots && !lists(roots, root)) continue;
             shown = true;
-            if (!place(gltf, nodes, parents, i, &placed, err) ||
-                !add_mesh(gltf, scene, (json_int_t)m, &placed, err))
-                return false;
+            if (!add_mesh(gltf, scene, (json_int_t)m, &placed, err)) return false;
         }
         if (!shown && !add_mesh(gltf, scene, (json_int_t)m, &(Placed){0}, err)) return false;
     }
+    return true;
+}
+
+// The splats of the scene that the file shows, its first unless it says so; of all nodes where that has none.
+static bool find_scene(const Gltf *gltf, Scene *scene, int *parents, FfpError *err) {
+    const int64_t first = whole(gltf->root, "scene", 0);
+    const json_t *shown =
+                     json_array_get(json_object_get(gltf->root, "scenes"), first < 0 ? 0 : (size_t)first),
+                 *roots = json_object_get(shown, "nodes");
+    if (!find_parents(gltf, json_object_get(gltf->root, "nodes"), parents, err)) return false;
+    if (roots && !add_meshes(gltf, scene, parents, roots, err)) return false;
+    if (scene->count == 0 && !add_meshes(gltf, scene, parents, NULL, err)) return false;
     return scene->count > 0 || fail(gltf, err, "holds no splats (" FFP_SPLAT_EXTENSION ")");
 }
 
@@ -441,7 +486,8 @@ bool ffp_gaussians_read_gltf(FfpGaussians *gaussians, const char *path, FfpError
     const bool binary = size >= 4 && memcmp(data, "glTF", 4) == 0;
     const bool ok = (binary ? open_binary(&gltf, (const unsigned char *)data, size, err)
                             : parse(&gltf, data, size, err)) &&
-                    open_buffers(&gltf, err) && read_splats(gaussians, &gltf, err);
+                    check_required(&gltf, err) && open_buffers(&gltf, err) &&
+                    read_splats(gaussians, &gltf, err);
     for (int i = 0; i < gltf.n_buffers; i++) ffp_free(gltf.buffers[i].own);
     if (gltf.root) {
         ffp_disown(gltf.root);

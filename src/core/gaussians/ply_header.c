@@ -11,14 +11,27 @@
 
 enum { LINE_BYTES = 512, LINES_MAX = 4096 };
 
-// One line without its end; false at the end of the file, or when it is longer than any sound one.
+static bool starts_with(const char *line, const char *word) {
+    return strncmp(line, word, strlen(word)) == 0;
+}
+
+static bool is_comment(const char *line) {
+    return starts_with(line, "comment") || starts_with(line, "obj_info");
+}
+
+// One line without its end and blanks before it; false at the end of the file, or when it is longer than any
+// sound one. Only comments may be longer: some programs keep their settings there, and the rest is left out.
 static bool read_line(FILE *stream, char line[LINE_BYTES]) {
-    if (!fgets(line, LINE_BYTES, stream)) return false;
-    const size_t length = strlen(line);
-    if (length == 0 || line[length - 1] != '\n') return false;
-    line[length - 1] = 0;
-    if (length > 1 && line[length - 2] == '\r') line[length - 2] = 0;
-    return true;
+    size_t length = 0;
+    bool whole = true;
+    int c = getc(stream);
+    for (; c != EOF && c != '\n'; c = getc(stream)) {
+        whole = length + 1 < LINE_BYTES;
+        if (whole) line[length++] = (char)c;
+    }
+    while (length > 0 && strchr(" \t\r", line[length - 1])) length--;
+    line[length] = 0;
+    return c == '\n' && (whole || is_comment(line));
 }
 
 static FfpPlyType type_of(const char *name) {
@@ -96,10 +109,6 @@ int ffp_ply_find(const FfpPly *ply, const FfpPlyElement *element, const char *na
     return -1;
 }
 
-static bool starts_with(const char *line, const char *word) {
-    return strncmp(line, word, strlen(word)) == 0;
-}
-
 // X Y Z within R, in world units.
 static bool read_baked(FfpBakedShadows *baked, const char *text) {
     static const char within[] = " within ";
@@ -124,8 +133,7 @@ static bool read_encoding(FfpPly *ply, FILE *stream, const char *path, FfpError 
     if (!read_line(stream, line) || strcmp(line, "ply") != 0)
         return ffp_fail(err, FFP_ERROR_FILE, path, "is not a PLY file");
     bool more = read_line(stream, line); // comments before the format break the rules, and occur
-    while (more && (starts_with(line, "comment") || starts_with(line, "obj_info")))
-        more = read_line(stream, line);
+    while (more && (!*line || is_comment(line))) more = read_line(stream, line);
     for (int i = 0; more && i < 3; i++) {
         ply->encoding = (FfpPlyEncoding)i;
         if (strcmp(line, formats[i]) == 0) return true;
@@ -143,7 +151,7 @@ bool ffp_ply_header_read(FfpPly *ply, FILE *stream, const char *path, FfpError *
         if (starts_with(line, BAKED) && !read_baked(&ply->baked, line + strlen(BAKED)))
             return ffp_fail(err, FFP_ERROR_FILE, path, "PLY header: cannot understand \"%.60s\"", line);
         if (starts_with(line, PATTERN)) ffp_made_from_add(ply->made_from, line + strlen(PATTERN));
-        if (starts_with(line, "comment") || starts_with(line, "obj_info")) continue;
+        if (!*line || is_comment(line)) continue;
         if (starts_with(line, "element ")) {
             if (!read_element(ply, line, path, err)) return false;
         } else if (starts_with(line, "property ") && ply->n_elements > 0) {

@@ -58,12 +58,13 @@ static void test_every_form(void **state) {
     hold("gltf/splats.glb", floats, false, 1e-6);
     hold("gltf/splats.gltf", floats, false, 1e-6);
     hold("gltf/linear.glb", floats, true, 1e-6);
+    hold("gltf/hidden.glb", floats, false, 1e-6); // another scene has them once more
     hold("spz/plain.spz", bytes, false, 2e-3);
     hold("spz/streams.spz", bytes, false, 2e-3);
     hold("gltf/camera.glb", floats, false, 1e-6);
     hold("gltf/beside.gltf", floats, false, 1e-6);
     hold("gltf/kernel.glb", floats, false, 1e-6);
-    static const char *const plys[] = {"ascii", "big", "elements", "harmonics", "no_harmonics"};
+    static const char *const plys[] = {"ascii", "loose", "big", "elements", "harmonics", "no_harmonics"};
     for (size_t i = 0; i < sizeof plys / sizeof *plys; i++) {
         char name[64];
         snprintf(name, sizeof name, "ply/%s.ply", plys[i]);
@@ -102,6 +103,9 @@ static void test_what_is_not_read_is_refused_by_name(void **state) {
     refused("gltf/negative.glb", "Gaussian 0: invalid scale_0");
     refused("gltf/size.glb", "Gaussian 0: invalid scale_0");
     refused("gltf/none.glb", "holds no splats");
+    refused("gltf/meshopt.glb", "requires the extension EXT_meshopt_compression");
+    refused("gltf/stand_in.glb", "does not give 3 numbers a splat inside a buffer");
+    refused("gltf/sparse.glb", "attribute POSITION: its accessor is sparse");
 }
 
 static FfpGaussians read_seed(const char *name) {
@@ -230,6 +234,8 @@ static void test_foreign_files_are_named(void **state) {
         const char *path, *bytes, *why;
     } cases[] = {{"a.sog", "PK\3\4", "is SOG, which is not supported: convert it"},
                  {"a.ksplat", "\0\1", "is KSPLAT"},
+                 {"meta.json", "{\"version\":2,\"count\":3,\"means\":{}}", "is SOG"},
+                 {"a.lcc", "{}", "is an LCC scene"},
                  {"a.ckpt", "PK\3\4", "is a checkpoint of PyTorch"},
                  {"a.las", "LASF", "is a point cloud (LAS)"},
                  {"a.ply", "version https://git-lfs.github.com/spec/v1", "is a Git LFS pointer"},
