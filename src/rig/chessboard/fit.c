@@ -183,11 +183,12 @@ static bool drop_attitude(const FfpRigFit *fit, const FfpViews *views, const dou
     const double middle = ffp_median(sorted, (size_t)views->cv.n), most = rms[(size_t)stride * (size_t)worst];
     ffp_free(sorted);
     if (most <= fmax(ATTITUDE_LEAST, ATTITUDE_FAR * middle)) return false;
+    FfpAttitude *a = &fit->attitudes[views->attitude[worst]];
     leave_out(
-        &fit->attitudes[views->attitude[worst]],
-        "its corners are %.2f pixels (rms) away from %s, those of others typically %.2f: the board or a "
+        a,
+        "its corners are %.2f pixels (rms) away from %s, those of others typically %.2f: %sthe board or a "
         "device moved, or a photograph is out of order",
-        most, of, middle);
+        most, of, middle, a->clipped > ffp_rule(FFP_RULE_BOARD_CLIPPED)->limit ? "it is overexposed, " : "");
     return true;
 }
 
@@ -269,9 +270,20 @@ static void measure_spread(FfpRigFit *fit) {
         }
 }
 
+bool ffp_projector_bent(const FfpRigFit *fit) {
+    const double projector = fit->devices[1].rms, camera = fit->devices[0].rms;
+    return projector > BENT && projector > BENT_TIMES * camera;
+}
+
 static bool check_focal(const FfpRigFit *fit, int which, FfpError *err) {
     const FfpCvDevice *d = &fit->devices[which];
+    const FfpFacts bent = {.figure = d->rms, .x = fit->devices[0].rms, .limit = BENT};
     const double open = fmax(d->deviation[0] / d->matrix[0], d->deviation[1] / d->matrix[4]);
+    if (which == 1 && ffp_projector_bent(fit)) { // nor would more photographs help
+        if (!(open < FOCAL_OPEN)) return ffp_fail_by(FFP_RULE_PROJECTOR_FITS_BADLY, &bent, NULL, err);
+        ffp_tell(FFP_RULE_PROJECTOR_FITS_BADLY, &bent);
+        return true;
+    }
     if (!(open < FOCAL_OPEN))
         return ffp_fail(
             err, FFP_ERROR_FILE, NULL,
@@ -289,8 +301,5 @@ bool ffp_fit_rig(FfpRigFit *fit, FfpError *err) {
     if (!ok) return false;
     measure_spread(fit);
     ffp_note_left_out(fit);
-    const double projector = fit->devices[1].rms, camera = fit->devices[0].rms;
-    if (projector > BENT && projector > BENT_TIMES * camera)
-        ffp_tell(FFP_RULE_PROJECTOR_FITS_BADLY, &(FfpFacts){.figure = projector, .x = camera, .limit = BENT});
     return true;
 }

@@ -23,6 +23,8 @@ typedef struct FfpRigFit {
 bool ffp_fit_rig(FfpRigFit *fit, FfpError *err);
 
 int ffp_attitudes_used(const FfpRigFit *fit);
+// Whether the projector alone fits far worse than the camera: its own electronics bend its picture.
+bool ffp_projector_bent(const FfpRigFit *fit);
 
 // The normal of a board as a pinhole of a guessed focal length sees it in pictures of this size. Boards that
 // are parallel in truth have the same normals at any focal length, since these are those of their common

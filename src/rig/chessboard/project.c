@@ -116,9 +116,10 @@ static void judge(FfpAttitude *a, const int states[FFP_CORNER_STATES], double sh
     else if (mirrored)
         snprintf(
             a->problem, sizeof a->problem,
-            "the codes show the board's mirror image on the panel: the coarsest code of the columns, or of "
-            "the rows, is swapped with its inverse, columns are swapped with rows, or the pictures are "
-            "mirrored");
+            "the codes show the board's mirror image on the panel: the camera's program or the projector "
+            "(rear projection, a ceiling mount) mirrors its pictures; or the coarsest code of the columns, "
+            "or "
+            "of the rows, is swapped with its inverse, or columns are swapped with rows");
 }
 
 bool ffp_board_project(const FfpBoard *board, const FfpImage *map, const int dropped[2], const int size[2],

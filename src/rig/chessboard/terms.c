@@ -193,5 +193,5 @@ static bool judge_device(const FfpRigFit *fit, int which, FfpError *err) {
 }
 
 bool ffp_judge_terms(const FfpRigFit *fit, FfpError *err) {
-    return judge_device(fit, 0, err) && judge_device(fit, 1, err);
+    return judge_device(fit, 0, err) && (ffp_projector_bent(fit) || judge_device(fit, 1, err));
 }

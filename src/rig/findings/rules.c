@@ -24,6 +24,8 @@
 #define OPEN_TERMS                                                                                           \
     "the photographs do not determine the {a}'s {b}: up to {figure:.0f} pixels in the picture's corner"
 
+#define FEW_BITS                                                                                             \
+    "no value of the photographs is above {figure:.4f} of full scale, as of {y:.0f} bits in files of 16"
 #define OBJECTS_PIXELS "share of the object's pixels"
 #define ALL_PIXELS "share of the pixels"
 #define DEGREES "degrees"
@@ -325,13 +327,16 @@ static const FfpRule rules[FFP_RULES] = {
         {"values-clipped", "exposure", DOUBT, "share of the values", 0.001,
          "{figure:.1%} of the photographs' values exceed the range of a capture's pictures and were clipped",
          "lower the exposure to keep them", "exposure"},
-    [FFP_RULE_FEW_BITS] =
-        {"twelve-bits", "exposure", DOUBT, "of full scale", 4095.5 / 65535,
-         "no value of the photographs is above {figure:.4f} of full scale, as of 12 bits in "
-         "files of 16",
-         "raise the exposure by {x:.0f} stops, or the capture's pictures have hardly any "
-         "steps",
-         "exposure={x:.0f}"},
+    [FFP_RULE_FEW_BITS] = {"twelve-bits", "exposure", DOUBT, "of full scale", 4095.5 / 65535, FEW_BITS,
+                           "raise the exposure by {x:.0f} stops, or the capture's pictures have hardly any "
+                           "steps",
+                           "exposure={x:.0f}"},
+    [FFP_RULE_FEW_BITS_AS_SRGB] = {"twelve-bits-as-srgb", "exposure", DOUBT, "of full scale", 4095.5 / 65535,
+                                   FEW_BITS,
+                                   "a sensor's numbers are linear light: import them as that, with an "
+                                   "exposure of {x:.0f} stops; if they "
+                                   "are sRGB, expose longer",
+                                   "linear=images"},
     [FFP_RULE_CODES_LEFT_OUT] = {"codes-left-out", "codes", DOUBT, NULL, 0,
                                  "the Gray codes of view '{view}' are left out: {a}", NULL, NULL},
     [FFP_RULE_RESPONSE] =
@@ -365,6 +370,12 @@ static const FfpRule rules[FFP_RULES] = {
         {"photographs-late", "photographs", FAULT, NULL, 0,
          "every photograph shows the pattern before its own: '{a}' shows black and '{b}' white",
          "the camera was too early: wait longer after showing a pattern, and photograph again", NULL},
+    [FFP_RULE_LATE_FROM] =
+        {"photographs-late-from", "photographs", FAULT, NULL, 0,
+         "from '{a}' on every photograph shows the pattern before its own",
+         "the camera was too early there, or took one picture twice: photograph these again, and wait "
+         "longer after showing a pattern",
+         NULL},
     [FFP_RULE_WHITE_IS_BLACK] =
         {"white-is-black", "photographs", FAULT, NULL, 0,
          "'{a}' and '{b}' show the same: one of them should be the projector's white",

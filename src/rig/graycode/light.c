@@ -6,6 +6,7 @@
 #include "core/base/call.h"
 #include "core/base/file.h"
 #include "core/image/photograph.h"
+#include "rig/findings/tell.h"
 #include "rig/graycode/decoder.h"
 #include "rig/graycode/edges.h"
 
@@ -284,12 +285,47 @@ static void try_exchange(Search *s, const Pair *other, int k, int m) {
     s->count++;
 }
 
+// The pair k places after another, rows after columns; false: there is none that can be read.
+static bool read_pair_beside(const FfpGrayDecoder *d, const Pair *pair, int k, Pair *beside) {
+    const int at = (pair->axis ? d->bits[0] : 0) + pair->bit + k, axis = at >= d->bits[0];
+    *beside = (Pair){axis, axis ? at - d->bits[0] : at, {NULL, NULL}};
+    return at >= 0 && at < d->bits[0] + d->bits[1] && read_pair(d, beside, NULL);
+}
+
+static void free_pair(Pair *pair) {
+    ffp_free(pair->grey[0]), ffp_free(pair->grey[1]);
+}
+
+static bool are_alike(const FfpGrayDecoder *d, const Pair *pair) {
+    size_t count = 0, alike = 0;
+    for (size_t i = 0; i < d->pixels; i++) {
+        const float apart = fabsf(pair->grey[0][i] - pair->grey[1][i]);
+        count += d->checked[i], alike += d->checked[i] && (double)apart < RIGHT * (double)d->light[i];
+    }
+    return (double)alike > PAIR_SHARE * (double)count;
+}
+
+// Whether from this pair on every photograph shows the pattern before its own: its second one and the first
+// of the next pair are the pair, and its first one is as its second, or the inverse of the first before.
+static bool is_late(const FfpGrayDecoder *d, const Pair *broken, FfpError *err) {
+    Pair before, next;
+    size_t edges;
+    const bool alike = are_alike(d, broken), has_before = read_pair_beside(d, broken, -1, &before);
+    const bool late = read_pair_beside(d, broken, 1, &next) &&
+                      are_inverse(d, broken->grey[1], next.grey[0], &edges) &&
+                      (alike || (has_before && are_inverse(d, before.grey[0], broken->grey[0], &edges)));
+    const char *from = ffp_gray_photograph(d, broken->axis, broken->bit, alike);
+    free_pair(&before), free_pair(&next);
+    if (late) ffp_fail_by(FFP_RULE_LATE_FROM, &(FfpFacts){.a = ffp_basename(from)}, from, err);
+    return late;
+}
+
 static void try_pair(Search *s, int axis, int bit) {
     const FfpGrayDecoder *d = s->d;
     Pair other = {axis, bit, {NULL, NULL}};
     const bool ok = read_pair(d, &other, NULL);
     for (int n = 0; ok && n < 4; n++) try_exchange(s, &other, n / 2, n % 2);
-    ffp_free(other.grey[0]), ffp_free(other.grey[1]);
+    free_pair(&other);
     ffp_cancel_point();
 }
 
@@ -297,6 +333,7 @@ static void try_pair(Search *s, int axis, int bit) {
 static void explain(const FfpGrayDecoder *d, const Pair *broken, FfpError *err) {
     Search s = {.d = d, .broken = broken};
     char other[280] = "";
+    if (is_late(d, broken, err)) return;
     for (int axis = 0; axis < 2; axis++)
         for (int bit = 0; bit < d->bits[axis]; bit++)
             if (axis != broken->axis || bit != broken->bit) try_pair(&s, axis, bit);
@@ -327,7 +364,7 @@ static bool read_bit(FfpGrayDecoder *d, int axis, int bit, double *sum, FfpError
         ok = false;
     }
     if (ok) take_signal(d, &pair);
-    ffp_free(pair.grey[0]), ffp_free(pair.grey[1]);
+    free_pair(&pair);
     ffp_cancel_point();
     return ok;
 }

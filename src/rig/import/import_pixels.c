@@ -70,12 +70,15 @@ static void note_developed(const FfpDeveloped *developed) {
                  developed->frames);
 }
 
+// Numbers of 10 to 14 bits in files of 16 are hardly ever anything but linear light.
 static void note_too_dark(const FfpImporting *import) {
-    const double most = import->brightest;
-    if (!import->settings->linear_images || !(most > 0 && most <= ffp_rule(FFP_RULE_FEW_BITS)->limit)) return;
+    const bool linear = import->settings->linear_images;
+    const double most = linear ? import->brightest : (double)ffp_srgb_encode((real)import->brightest);
+    if (!(most > 0 && most <= ffp_rule(FFP_RULE_FEW_BITS)->limit)) return;
     const double stops = floor(-log2(most));
-    if (import->settings->exposure < stops)
-        ffp_tell(FFP_RULE_FEW_BITS, &(FfpFacts){.figure = most, .x = stops});
+    if (!linear || import->settings->exposure < stops)
+        ffp_tell(linear ? FFP_RULE_FEW_BITS : FFP_RULE_FEW_BITS_AS_SRGB,
+                 &(FfpFacts){.figure = most, .x = stops, .y = ceil(16 + log2(most))});
 }
 
 static void note_too_bright(const FfpImporting *import) {

@@ -845,7 +845,8 @@ static bool run_import(void *argument, FfpError *error) {
     return ffp_import(argument, error);
 }
 
-// Twelve bits in files of 16 are told with the stops that they lack, and with these they are not.
+// Twelve bits in files of 16 are told with the stops that they lack, and with these they are not; and where
+// they were read as sRGB.
 static void test_twelve_bits(void **state) {
     (void)state;
     const Rig rig = orbit(false);
@@ -873,6 +874,9 @@ static void test_twelve_bits(void **state) {
     call->options.exposure = 4;
     if (!ffp_call_run(&context, run_import, &call->options, &err)) fail_msg("%s", err.text);
     assert_null(strstr(told, "twelve-bits"));
+    call = call_of("twelve_as_srgb", "model", NULL);
+    assert_false(ffp_call_run(&context, run_import, &call->options, &err)); // in nearly black pictures
+    assert_string_equal(told, "twelve-bits-as-srgb linear=images");
 }
 
 int main(void) {
