@@ -434,7 +434,10 @@ static int end_of_frames(FfpFrames *frames, bool more, FfpError *err) {
     if (!more && ended && frames->count > 0) return 0;
     if (frames->webp && frames->count == 0) {
         ffp_fail(err, FFP_ERROR_UNSUPPORTED, frames->path,
-                 "is an animated WebP, which this ffmpeg does not read: save it as GIF, animated PNG or MP4");
+                 "is an animated WebP, which this ffmpeg does not read: make an animated PNG of it, for "
+                 "example by "
+                 "python3 -c \"import PIL.Image as I; I.open('FILE.webp').save('FILE.png', save_all=True)\" "
+                 "(Debian: python3-pil)");
         return -1;
     }
     ffp_fail(err, FFP_ERROR_FILE, frames->path, "ffmpeg could not read all of the film%s%s",

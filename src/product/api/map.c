@@ -1,8 +1,9 @@
 // Correspondence maps and what the projector lights.
 #include "core/base/call.h"
-#include "engine/pipeline/map_files.h"
+#include "engine/pipeline/correspondence.h"
 #include "product/api/arguments.h"
 #include "product/api/memory.h"
+#include "product/export/map_files.h"
 
 FfpMaps ffp_maps_defaults(void) {
     return (FfpMaps){.n_views = 0};

@@ -76,8 +76,7 @@ const FfpCommand ffp_cli_map = {
         "<view>_projector_to_camera.exr\tfor each projector pixel: x, y in the camera (R, G), 1 (B); -1 -1 0 "
         "where the camera does not see the lit point\n"
         "<view>_stmap.exr\tthe same as shares of the camera's picture, v from below (STMap); "
-        "<view>_warp.obj: a "
-        "mesh of it\n"
+        "<view>_warp.obj, .glb: a mesh of it\n"
         "both\talso as 16-bit PNG: x / width, y / height; alpha 0 off the object\n"
         "<view>_projector_sees.png\tthe object seen from the projector, in its white light\n"
         "<view>_lit.png\tprojector pixels that fall on the object\n"
@@ -86,6 +85,7 @@ const FfpCommand ffp_cli_map = {
         "<view>_incidence.exr\tangle of incidence in degrees, -1 off the object\n"
         "<view>_illuminance.exr, .png\tlight arriving at the surface, normalised to 1 at its maximum in the "
         "view\n"
+        "projectors.mpcdi\tthe warps of all views, for media servers (MPCDI 2.0, profile 2d)\n"
         "For each view the command prints how far camera pixels end up from where they started after a round "
         "trip to the projector and back, which checks the two correspondence maps against each other.",
     .positional = FFP_CLI_GAUSSIANS(offsetof(Arguments, gaussians)),

@@ -34,7 +34,7 @@ void ffp_surface_rotate(FfpSurface *mesh, const real turn[4]); // positions and 
 void ffp_surface_free(FfpSurface *mesh);
 
 bool ffp_surface_write_gltf(const FfpSurface *mesh, const char *path, bool binary, FfpError *err);
-// Quads with coloured vertices ("v x y z r g b", sRGB), which Blender and MeshLab read.
+// Triangles with coloured vertices ("v x y z r g b", sRGB), which Blender and MeshLab read.
 bool ffp_surface_write_obj(const FfpSurface *mesh, const char *path, FfpError *err);
 
 #endif

@@ -8,7 +8,7 @@
 #include "core/capture/capture.h"
 #include "engine/network/network.h"
 #include "engine/pipeline/compensate.h"
-#include "engine/pipeline/map_files.h"
+#include "engine/pipeline/correspondence.h"
 #include "engine/pipeline/need.h"
 #include "engine/pipeline/reconstruct.h"
 #include "support.h"

@@ -1,7 +1,11 @@
 // `compensate` and `map` as a user runs them: results, and errors before anything is written.
+#include <zlib.h>
+#include "core/base/alloc.h"
+#include "core/base/file.h"
 #include "core/gaussians/gaussians.h"
 #include "product/cli/program.h"
 #include "product/cli/tiny.h"
+#include "world/shapes/mesh.h"
 
 #define SIDE 48
 
@@ -362,6 +366,92 @@ static void check_forward_map(const FfpView *view, const FfpImage *map) {
     assert_true(near > 0.95 * count);
 }
 
+static FfpMesh read_warp(const FfpView *view, const char *ending) {
+    char name[256];
+    FfpError err = {0};
+    FfpMesh mesh = {0};
+    snprintf(name, sizeof name, "maps/%s_warp.%s", view->id, ending);
+    if (!ffp_mesh_read(&mesh, in_scratch(name), &err)) fail_msg("%s", err.text);
+    return mesh;
+}
+
+// Assimp reads the same of OBJ and GLB.
+static void check_mesh(const FfpView *view, int faces) {
+    FfpMesh a = read_warp(view, "obj"), b = read_warp(view, "glb");
+    assert_true(a.n_triangles == faces && b.n_triangles == faces && a.uv && b.uv);
+    for (int c = 0; c < 3 * faces; c++) {
+        const size_t i = a.triangles[c], j = b.triangles[c];
+        for (size_t k = 0; k < 3; k++)
+            assert_true(fabsf(a.positions[3 * i + k] - b.positions[3 * j + k]) < 1e-4F);
+        for (size_t k = 0; k < 2; k++) assert_true(fabsf(a.uv[2 * i + k] - b.uv[2 * j + k]) < 2e-6F);
+    }
+    ffp_mesh_free(&a), ffp_mesh_free(&b);
+}
+
+static unsigned number_at(const unsigned char *bytes, int size) {
+    unsigned number = 0;
+    for (int i = size - 1; i >= 0; i--) number = number << 8 | bytes[i];
+    return number;
+}
+
+// A file of a ZIP archive, found from its end as every reader does; its size.
+static size_t unpack(const char *archive, const char *name, unsigned char *out, size_t room) {
+    char *data;
+    size_t size;
+    assert_true(ffp_read_file(archive, 1 << 26, &data, &size, NULL));
+    const unsigned char *bytes = (const unsigned char *)data, *end = bytes + size - 22,
+                        *list = bytes + number_at(end + 16, 4);
+    assert_int_equal(number_at(end, 4), 0x06054b50);
+    while (strncmp((const char *)list + 46, name, strlen(name)) != 0) {
+        assert_int_equal(number_at(list, 4), 0x02014b50);
+        list += 46 + number_at(list + 28, 2);
+    }
+    const unsigned char *local = bytes + number_at(list + 42, 4);
+    assert_memory_equal(local + 4, list + 6, 26);
+    const size_t full = number_at(list + 24, 4);
+    assert_true(full <= room);
+    z_stream stream = {.next_in = (z_const Bytef *)local + 30 + number_at(local + 26, 2),
+                       .avail_in = number_at(list + 20, 4),
+                       .next_out = out,
+                       .avail_out = (uInt)room};
+    assert_int_equal(inflateInit2(&stream, -MAX_WBITS), Z_OK);
+    assert_int_equal(inflate(&stream, Z_FINISH), Z_STREAM_END);
+    assert_true(stream.total_out == full && stream.avail_in == 0);
+    assert_int_equal(crc32(0, out, (uInt)full), number_at(list + 16, 4));
+    inflateEnd(&stream);
+    ffp_free(data);
+    return full;
+}
+
+// The MPCDI archive: the same shares, rows from below, NaN where there is nothing.
+static void check_archive(const FfpView *view, const FfpImage *shares) {
+    char archive[512], wanted[128];
+    const size_t pixels = (size_t)shares->width * (size_t)shares->height, room = 12 * pixels + 65536;
+    unsigned char *bytes = test_malloc(room);
+    snprintf(archive, sizeof archive, "%s", in_scratch("maps/projectors.mpcdi"));
+    size_t size = unpack(archive, "mpcdi.xml", bytes, room - 1);
+    bytes[size] = 0;
+    snprintf(wanted, sizeof wanted, "<region id=\"%s\" Xresolution=\"%d\"", view->id, shares->width);
+    assert_non_null(strstr((char *)bytes, wanted));
+    size = unpack(archive, "warp0.pfm", bytes, room);
+    snprintf(wanted, sizeof wanted, "PF\n%d %d\n-1.0\n", shares->width, shares->height);
+    assert_int_equal(size, strlen(wanted) + 12 * pixels);
+    assert_memory_equal(bytes, wanted, strlen(wanted));
+    const unsigned char *from = bytes + strlen(wanted);
+    for (int y = shares->height - 1; y >= 0; y--)
+        for (int x = 0; x < shares->width; x++, from += 12) {
+            const real *share = shares->data + 4 * (y * shares->width + x);
+            float uv[2];
+            memcpy(uv, from, sizeof uv);
+            if (share[3] == 0)
+                assert_true(isnan(uv[0]) && isnan(uv[1]));
+            else
+                assert_true(fabsf(uv[0] - (float)share[0]) < 1e-6F && fabsf(uv[1] - (float)share[1]) < 1e-6F);
+        }
+    assert_true(unpack(archive, "alpha0.png", bytes, room) > 100);
+    test_free(bytes);
+}
+
 // The STMap holds the map of pixels as shares, v from below, and the mesh the same at its corners.
 static void check_warp(const FfpView *view) {
     char name[256], line[256];
@@ -399,6 +489,8 @@ static void check_warp(const FfpView *view) {
     }
     fclose(file);
     assert_true(corners > 50 && faces > 50);
+    check_mesh(view, faces);
+    check_archive(view, &shares);
     ffp_image_free(&map);
     ffp_image_free(&shares);
 }
@@ -424,6 +516,7 @@ static void maps_of_a_generated_scene_go_there_and_back(void **state) {
                                         "projector_to_camera.png",
                                         "stmap.exr",
                                         "warp.obj",
+                                        "warp.glb",
                                         "projector_sees.png",
                                         "lit.png",
                                         "density.exr",

@@ -1,59 +1,18 @@
-#include "engine/pipeline/map_files.h"
+#include "product/export/map_files.h"
 #include <stdio.h>
 #include <string.h>
 #include "core/base/file.h"
-#include "core/base/memory.h"
+#include "core/base/log.h"
 #include "engine/apply/choose.h"
-#include "engine/apply/view_maps.h"
+#include "engine/pipeline/correspondence.h"
 #include "engine/pipeline/elsewhere.h"
-#include "engine/pipeline/need.h"
-#include "engine/pipeline/relight.h"
-#include "engine/pipeline/warp_files.h"
-
-static FfpImages *map_view(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *view,
-                           FfpDrawing drawing, FfpMapStats *stats) {
-    const FfpRenderSettings settings = ffp_drawing_settings(drawing, NULL);
-    FfpViewMapStats found = {.lit_share = 0};
-    FfpImages *images = ffp_view_maps(gaussians, capture, view, &settings, &found);
-    *stats = (FfpMapStats){.lit_pixels = found.trip.pixels,
-                           .lost_pixels = found.trip.lost,
-                           .within_half = found.trip.within_half,
-                           .median = found.trip.median,
-                           .most = found.trip.most,
-                           .lit_share = found.lit_share};
-    snprintf(stats->view, sizeof stats->view, "%s", view->id);
-    return images;
-}
-
-// Before the work: that the view's maps fit into memory.
-static bool check_memory(const FfpGaussians *gaussians, const FfpView *view, FfpDrawing drawing,
-                         FfpError *err) {
-    const int samples = ffp_drawing_settings(drawing, NULL).samples;
-    return ffp_memory_suffices(ffp_maps_bytes((double)gaussians->count, view, samples), "maps of this size",
-                               "use a smaller camera picture or pattern", view->id, err);
-}
-
-FfpImages *ffp_maps_of_view(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *view,
-                            FfpDrawing drawing, FfpMapStats *stats, FfpError *err) {
-    FfpMapStats found;
-    const FfpImage *white = &capture->patterns[capture->white].image;
-    const FfpCamera *projector = &view->projector;
-    if (white->width != projector->width || white->height != projector->height) {
-        ffp_fail(err, FFP_ERROR_ARGUMENT, "projector", "%d x %d pixels are not the capture's %d x %d",
-                 projector->width, projector->height, white->width, white->height);
-        return NULL;
-    }
-    if (!check_memory(gaussians, view, drawing, err)) return NULL;
-    FfpImages *images = map_view(gaussians, capture, view, drawing, &found);
-    if (stats) *stats = found;
-    return images;
-}
-
-// --- Files. ---
+#include "product/export/mpcdi.h"
+#include "product/export/warp.h"
 
 typedef struct Writer {
     FfpOutput folder;
     const char *view;
+    FfpMpcdi *archive; // NULL: none
     int written;
 } Writer;
 
@@ -104,6 +63,16 @@ static bool write_shares(Writer *writer, const FfpImage *map, const FfpCamera *t
     return name_map(path, writer, name, ".png", err) && ffp_image_write_png_rows(&rows, 16, path, err);
 }
 
+static bool write_warp(Writer *writer, const FfpImage *map, const FfpView *view, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    FfpWarp warp = ffp_warp_of_map(map, &view->camera);
+    bool ok = name_map(path, writer, "warp", ".obj", err) && ffp_warp_write_obj(&warp, path, err);
+    if (ok && warp.n_triangles > 0) // glTF has no empty meshes
+        ok = name_map(path, writer, "warp", ".glb", err) && ffp_warp_write_gltf(&warp, path, err);
+    ffp_warp_free(&warp);
+    return ok;
+}
+
 // Numbers go into EXR files; what people look at, into PNG files.
 static bool write_image(Writer *writer, const FfpImageEntry *entry, const FfpView *view, FfpError *err) {
     const FfpImage *image = &entry->image;
@@ -119,8 +88,8 @@ static bool write_image(Writer *writer, const FfpImageEntry *entry, const FfpVie
     if (strcmp(name, "projector_to_camera") == 0)
         return write_shares(writer, image, &view->camera, name, err) &&
                name_map(path, writer, "stmap", ".exr", err) &&
-               ffp_write_stmap(image, &view->camera, path, err) &&
-               name_map(path, writer, "warp", ".obj", err) && ffp_write_warp(image, &view->camera, path, err);
+               ffp_write_stmap(image, &view->camera, path, err) && write_warp(writer, image, view, err) &&
+               (!writer->archive || ffp_mpcdi_add(writer->archive, view, image, err));
     return true;
 }
 
@@ -133,25 +102,45 @@ static bool check_names(const FfpChosen *chosen, const char *folder, FfpError *e
     return true;
 }
 
+// The archive of all views, unless they are more than it can hold.
+static bool open_archive(Writer *writer, FfpMpcdi *archive, const FfpChosen *chosen, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    if (!ffp_mpcdi_holds(chosen->views, chosen->n_views)) {
+        ffp_note("%s: no projectors.mpcdi, which cannot hold so many pixels: choose fewer views",
+                 writer->folder.path);
+        return true;
+    }
+    if (!ffp_join_path(path, writer->folder.temporary, "projectors.mpcdi"))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, writer->folder.path,
+                        "the path of projectors.mpcdi is too long");
+    writer->archive = archive;
+    writer->written++;
+    return ffp_mpcdi_open(archive, path, err);
+}
+
 int ffp_maps_run(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpMaps *options,
                  FfpMapStats *stats, FfpError *err) {
     FfpChosen chosen;
+    FfpMpcdi archive = {0};
     Writer writer = {.written = 0};
     bool ok = ffp_choose_views(&chosen, capture, options->poses, options->views, options->n_views, err) &&
               check_names(&chosen, options->folder, err) &&
               ffp_output_open_folder(&writer.folder, options->folder, false, err);
     if (ok) ffp_note_elsewhere(gaussians, capture);
     for (int v = 0; ok && v < chosen.n_views; v++)
-        ok = check_memory(gaussians, chosen.views[v], options->drawing, err);
+        ok = ffp_maps_fit(gaussians, chosen.views[v], options->drawing, err);
+    ok = ok && open_archive(&writer, &archive, &chosen, err);
     for (int v = 0; ok && v < chosen.n_views; v++) {
         FfpMapStats found = {0};
-        FfpImages *images = map_view(gaussians, capture, chosen.views[v], options->drawing, &found);
+        FfpImages *images = ffp_maps_draw(gaussians, capture, chosen.views[v], options->drawing, &found);
         writer.view = chosen.views[v]->id;
         for (const FfpImageEntry *entry = images->first; ok && entry; entry = entry->next)
             ok = write_image(&writer, entry, chosen.views[v], err);
         ffp_images_free(images);
         if (ok && stats) stats[v] = found;
     }
+    ok = ok && (!writer.archive || ffp_mpcdi_commit(&archive, err));
+    ffp_mpcdi_abort(&archive);
     ok = ok && ffp_output_commit(&writer.folder, err);
     ffp_output_abort(&writer.folder);
     ffp_chosen_free(&chosen);
