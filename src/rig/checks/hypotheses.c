@@ -148,6 +148,18 @@ static bool mishap_agrees(const FfpCase *c, int variant) {
     return light_agrees(c, c->view, (Mishap)variant);
 }
 
+// Found by the view's light alone; but where silhouettes accuse this view alone, they must fit as well.
+static bool mishap_fits(const FfpCase *c, int variant) {
+    FfpSilhouettes shapes = ffp_rig_silhouettes(c->capture);
+    Trial t = trial_new(c->capture, c->active);
+    undo_in_view(&t, c->view, c->active, (Mishap)variant);
+    const bool fits =
+        shapes.odd != c->view || ffp_rig_silhouette_misfit(&t.capture) < FFP_RIG_EXPLAINED * shapes.misfit;
+    ffp_arena_free(t.memory);
+    ffp_rig_silhouettes_free(&shapes);
+    return fits;
+}
+
 static FfpRuleId tell_mishap(const FfpCase *c, int variant, FfpFacts *facts) {
     static const char *const names[MISHAPS] = {[HALF_TURN] = "turned by 180 degrees",
                                                [TO_THE_LEFT] = "turned by 90 degrees to the left",
@@ -416,7 +428,7 @@ static const struct Hypothesis {
     {FFP_VIEWS_BY_LIGHT, 4, suppose_projector_size, NULL, enough_to_reach, tell_projector_size},
     {FFP_VIEWS_BY_LIGHT, 2, suppose_inverted, NULL, NULL, tell_inverted},
     {FFP_VIEWS_BY_LIGHT, FFP_PATTERNS_MAX, suppose_pattern, pattern_agrees, NULL, tell_pattern},
-    {FFP_VIEW_BY_LIGHT, MISHAPS, suppose_mishap_alone, NULL, NULL, tell_mishap},
+    {FFP_VIEW_BY_LIGHT, MISHAPS, suppose_mishap_alone, mishap_fits, NULL, tell_mishap},
     {FFP_VIEW_BY_LIGHT, FFP_VIEWS_MAX, suppose_photograph, photograph_agrees, NULL, tell_photograph},
     {FFP_VIEW_BY_LIGHT, FFP_PATTERNS_MAX, suppose_pattern_once, NULL, NULL, tell_pattern_once},
 };
