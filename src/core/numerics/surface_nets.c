@@ -9,6 +9,28 @@ static Strides strides_of(const FfpNetGrid *g) {
     return (Strides){{1, (size_t)g->size[0], (size_t)g->size[0] * (size_t)g->size[1]}};
 }
 
+void ffp_net_repair(const int size[3], float *value, uint8_t *inside, float depth) {
+    const FfpNetGrid grid = {{size[0], size[1], size[2]}, value, inside};
+    const Strides stride = strides_of(&grid);
+    for (bool changed = true; changed;) { // the inside only grows, so this ends
+        changed = false;
+        for (int z = 1; z < size[2] - 1; z++)
+            for (int y = 1; y < size[1] - 1; y++)
+                for (int x = 1; x < size[0] - 1; x++)
+                    for (int a = 0; a < 3; a++) {
+                        const size_t i = ffp_net_point(&grid, x, y, z), s = stride.of[a],
+                                     t = stride.of[(a + 1) % 3];
+                        if (inside[i] != inside[i + s + t] || inside[i + s] != inside[i + t] ||
+                            inside[i] == inside[i + s])
+                            continue;
+                        const size_t fill = inside[i] ? i + s : i;
+                        inside[fill] = 1;
+                        value[fill] = -depth;
+                        changed = true;
+                    }
+    }
+}
+
 int ffp_net_count_quads(const FfpNetGrid *g) {
     const Strides stride = strides_of(g);
     int quads = 0;

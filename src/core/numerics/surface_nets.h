@@ -18,6 +18,10 @@ static inline size_t ffp_net_point(const FfpNetGrid *g, int x, int y, int z) {
     return ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->size[0] + (size_t)x;
 }
 
+// A face of a cell whose corners are inside and outside in turn would give an edge with four quads. One
+// corner outside becomes inside, with the value -`depth`, until there is no such face.
+void ffp_net_repair(const int size[3], float *value, uint8_t *inside, float depth);
+
 int ffp_net_count_quads(const FfpNetGrid *grid);
 
 // The cells that the surface crosses, by their lowest points, and the number of each: that of its vertex.

@@ -4,6 +4,8 @@
 #include "core/base/vec.h"
 #include "product/export/volume.h"
 
+#define LEAST 1e-3F // truncations, of a point that a repair puts inside
+
 // The distance's gradient over the cell, away from the object.
 static void slope_of(const FfpNetGrid *g, const int cell[3], real normal[3]) {
     for (int k = 0; k < 3; k++) normal[k] = 0;
@@ -21,11 +23,12 @@ static void add_quad(void *context, const uint32_t vertices[4], bool flipped) {
     for (int k = 0; k < 4; k++) quad[k] = vertices[flipped ? 3 - k : k];
 }
 
-void ffp_surface_nets(const FfpVolume *volume, FfpSurface *mesh) {
+void ffp_surface_nets(FfpVolume *volume, FfpSurface *mesh) {
     const int *size = volume->size;
     const size_t points = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
     uint8_t *inside = ffp_alloc(points, 1);
     for (size_t i = 0; i < points; i++) inside[i] = !(volume->distance[i] > 0);
+    ffp_net_repair(size, volume->distance, inside, LEAST);
     const FfpNetGrid grid = {{size[0], size[1], size[2]}, volume->distance, inside};
     FfpNetCells cells = ffp_net_cells(&grid);
     mesh->n_vertices = (uint32_t)cells.count;

@@ -35,7 +35,7 @@ FfpVolume ffp_volume_fuse(const FfpDepthSource *source, int resolution);
 void ffp_volume_free(FfpVolume *volume);
 
 // Vertices and quads of the zero; nothing else of the mesh.
-void ffp_surface_nets(const FfpVolume *volume, FfpSurface *mesh);
+void ffp_surface_nets(FfpVolume *volume, FfpSurface *mesh);
 // Leaves out pieces of fewer quads than a twentieth of the largest piece's.
 void ffp_surface_drop_loose(FfpSurface *mesh);
 // Fills in the textures.

@@ -109,29 +109,6 @@ static void grid_fill(Grid *g) {
         fill_block(g, b % g->blocks[0], b / g->blocks[0] % g->blocks[1], b / g->blocks[0] / g->blocks[1]);
 }
 
-// A cell face whose corners alternate inside and outside would give an edge with four triangles. Filling one
-// corner settles it; the inside only grows, so this ends.
-static void repair_faces(Grid *g) {
-    const size_t stride[3] = {1, (size_t)g->n[0], (size_t)g->n[0] * (size_t)g->n[1]};
-    for (bool changed = true; changed;) {
-        changed = false;
-        for (int z = 1; z < g->n[2] - 1; z++)
-            for (int y = 1; y < g->n[1] - 1; y++)
-                for (int x = 1; x < g->n[0] - 1; x++) {
-                    const size_t i = point_index(g, x, y, z);
-                    for (int a = 0; a < 3; a++) {
-                        const size_t s = stride[a], t = stride[(a + 1) % 3];
-                        uint8_t *in = g->inside;
-                        if (in[i] != in[i + s + t] || in[i + s] != in[i + t] || in[i] == in[i + s]) continue;
-                        const size_t fill = in[i] ? i + s : i;
-                        in[fill] = 1;
-                        g->value[fill] = -1e-3F * g->step;
-                        changed = true;
-                    }
-                }
-    }
-}
-
 // Visits all points joined to `start` by steps along the axes that lie on its side of the surface. Their
 // indices stand in queue[0 .. result).
 static size_t flood(const Grid *g, size_t start, bool *seen, size_t *queue) {
@@ -245,7 +222,7 @@ FfpMesh ffp_mesh_from_shape(const FfpShape *shape) {
     for (int pass = 0; pass < 4; pass++) { // area decides the number of triangles: adjust once it is known
         g = grid_new(shape, resolution);
         grid_fill(&g);
-        repair_faces(&g);
+        ffp_net_repair(g.n, g.value, g.inside, 1e-3F * g.step);
         sweep(&g);
         net = net_of(&g);
         quads = ffp_net_count_quads(&net);

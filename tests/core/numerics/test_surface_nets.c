@@ -1,6 +1,7 @@
-// A ball and a torus as quads: closed, wound outwards, on the surface, of the right genus.
+// A ball and a torus as quads: closed, wound outwards, on the surface, of the right genus; noise, repaired.
 #include <math.h>
 #include "core/base/alloc.h"
+#include "core/base/rng.h"
 #include "core/numerics/surface_nets.h"
 #include "support.h"
 
@@ -96,8 +97,39 @@ static void a_torus_has_a_hole(void **state) {
     check_net(torus, 2 * 3.14159265 * 3.14159265 * 0.6 * 0.09, 0);
 }
 
+// Inside and outside by chance: what meets at corners or edges alone is joined.
+static void noise_is_closed_once_it_is_repaired(void **state) {
+    (void)state;
+    enum { SMALL = 11 };
+    static float value[SMALL * SMALL * SMALL];
+    static uint8_t inside[SMALL * SMALL * SMALL];
+    const FfpNetGrid grid = {{SMALL, SMALL, SMALL}, value, inside};
+    FfpRng rng = ffp_rng(3, 0);
+    int filled = 0;
+    for (int i = 0; i < SMALL * SMALL * SMALL; i++) {
+        const int x = i % SMALL, y = i / SMALL % SMALL, z = i / SMALL / SMALL;
+        const bool edge = x < 2 || y < 2 || z < 2 || x > SMALL - 3 || y > SMALL - 3 || z > SMALL - 3;
+        value[i] = edge ? 1 : ffp_rng_uniform(&rng) - 0.15F;
+        inside[i] = value[i] < 0;
+        filled -= inside[i];
+    }
+    ffp_net_repair(grid.size, value, inside, 1e-3F);
+    for (int i = 0; i < SMALL * SMALL * SMALL; i++) {
+        filled += inside[i];
+        assert_true(inside[i] == (value[i] < 0));
+    }
+    assert_true(filled > 0);
+    FfpNetCells cells = ffp_net_cells(&grid);
+    Net net = {.quads = ffp_alloc((size_t)ffp_net_count_quads(&grid), 4 * sizeof *net.quads)};
+    ffp_net_connect(&grid, &cells, add, &net);
+    assert_true(check_closed(&net, cells.count) > 100);
+    ffp_free(net.quads);
+    ffp_net_cells_free(&cells);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_ball_is_closed_and_round),
-                                       cmocka_unit_test(a_torus_has_a_hole)};
+                                       cmocka_unit_test(a_torus_has_a_hole),
+                                       cmocka_unit_test(noise_is_closed_once_it_is_repaired)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
