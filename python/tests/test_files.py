@@ -41,10 +41,15 @@ def test_trimesh(files: Path) -> None:
     textured = trimesh.load(files / "mesh.glb", force="mesh", process=False)
     assert len(textured.faces) == len(solid.faces)
     assert np.allclose(textured.bounds, solid.bounds, atol=1e-5)
-    warps = [trimesh.load(files / f"{VIEW}_warp.{kind}", force="mesh", process=False) for kind in ("obj", "glb")]
+    warps = [
+        trimesh.load(files / f"{VIEW}_warp.{kind}", force="mesh", process=False) for kind in ("obj", "glb")
+    ]
     for warp in warps:  # trimesh's v counts from below in both
         assert np.all(np.abs(warp.visual.uv - 0.5) <= 0.5)
-    corners = [np.hstack([warp.triangles[:, :, :2].reshape(-1, 2), warp.visual.uv[warp.faces].reshape(-1, 2)]) for warp in warps]
+    corners = [
+        np.hstack([warp.triangles[:, :, :2].reshape(-1, 2), warp.visual.uv[warp.faces].reshape(-1, 2)])
+        for warp in warps
+    ]
     assert np.allclose(corners[0], corners[1], atol=2e-6)
 
 
