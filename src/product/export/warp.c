@@ -35,77 +35,86 @@ bool ffp_write_stmap(const FfpImage *map, const FfpCamera *camera, const char *p
 typedef struct Net {
     const FfpImage *map;
     const FfpCamera *camera;
-    int step, across, down; // pixels between corners; corners
-    double reach;           // camera pixels that a side may have
-    uint32_t *number;       // of the corners, from 0
+    double reach;     // camera pixels that the side of a cell of one pixel may have
+    uint32_t *number; // of the pixels' corners, from 1; 0: none yet
+    FfpWarp *warp;
+    size_t room[2]; // for corners and triangles
 } Net;
 
-static const real *corner(const Net *net, int i, int j) {
-    return at(net->map, i * net->step, j * net->step);
-}
-
-static double side(const Net *net, int i, int j, int k, int l) {
-    const real *a = corner(net, i, j), *b = corner(net, k, l);
+static double side(const real *a, const real *b) {
     return a[0] < 0 || b[0] < 0 ? INFINITY : hypot((double)(a[0] - b[0]), (double)(a[1] - b[1]));
 }
 
-static double mean_side(const Net *net) {
+static double mean_side(const FfpImage *map) {
     double sum = 0;
     int64_t count = 0;
-    for (int j = 0; j < net->down; j++)
-        for (int i = 0; i + 1 < net->across; i++) {
-            const double length = side(net, i, j, i + 1, j);
+    for (int y = 0; y < map->height; y++)
+        for (int x = 0; x + 1 < map->width; x++) {
+            const double length = side(at(map, x, y), at(map, x + 1, y));
             if (length < INFINITY) sum += length, count++;
         }
     return count ? sum / (double)count : 0;
 }
 
-static bool is_whole(const Net *net, int i, int j) {
-    return side(net, i, j, i + 1, j) <= net->reach && side(net, i, j + 1, i + 1, j + 1) <= net->reach &&
-           side(net, i, j, i, j + 1) <= net->reach && side(net, i + 1, j, i + 1, j + 1) <= net->reach;
+static bool is_whole(const Net *net, int x, int y, int size) {
+    const FfpImage *map = net->map;
+    if (x + size >= map->width || y + size >= map->height) return false;
+    const real *a = at(map, x, y), *b = at(map, x + size, y), *c = at(map, x, y + size),
+               *d = at(map, x + size, y + size);
+    return side(a, b) <= net->reach * size && side(c, d) <= net->reach * size &&
+           side(a, c) <= net->reach * size && side(b, d) <= net->reach * size;
 }
 
-static void take_corners(FfpWarp *warp, const Net *net) {
-    for (int j = 0; j < net->down; j++)
-        for (int i = 0; i < net->across; i++) {
-            const real *seen = corner(net, i, j);
-            if (seen[0] < 0) continue;
-            real *at = warp->position + 3 * (size_t)warp->n_corners,
-                 *from = warp->texture + 2 * (size_t)warp->n_corners;
-            at[0] = ((real)(i * net->step) + 0.5F) / (real)net->map->width;
-            at[1] = 1 - ((real)(j * net->step) + 0.5F) / (real)net->map->height;
-            at[2] = 0;
-            from[0] = seen[0] / (real)net->camera->width;
-            from[1] = 1 - seen[1] / (real)net->camera->height;
-            net->number[j * net->across + i] = warp->n_corners++;
-        }
+static uint32_t corner(Net *net, int x, int y) {
+    FfpWarp *warp = net->warp;
+    const FfpImage *map = net->map;
+    uint32_t *number = &net->number[(size_t)y * (size_t)map->width + (size_t)x];
+    if (*number) return *number - 1;
+    if (warp->n_corners == net->room[0]) {
+        net->room[0] = 2 * net->room[0] + 1024;
+        warp->position = ffp_grow(warp->position, 3 * net->room[0], sizeof(real));
+        warp->texture = ffp_grow(warp->texture, 2 * net->room[0], sizeof(real));
+    }
+    const real *seen = at(map, x, y);
+    real *place = warp->position + 3 * (size_t)warp->n_corners,
+         *from = warp->texture + 2 * (size_t)warp->n_corners;
+    place[0] = ((real)x + 0.5F) / (real)map->width;
+    place[1] = 1 - ((real)y + 0.5F) / (real)map->height;
+    place[2] = 0;
+    from[0] = seen[0] / (real)net->camera->width;
+    from[1] = 1 - seen[1] / (real)net->camera->height;
+    *number = ++warp->n_corners;
+    return *number - 1;
 }
 
-static void take_triangles(FfpWarp *warp, const Net *net) {
-    for (int j = 0; j + 1 < net->down; j++)
-        for (int i = 0; i + 1 < net->across; i++) {
-            const uint32_t *n = net->number + j * net->across + i;
-            if (!is_whole(net, i, j)) continue;
-            const uint32_t below = n[net->across], beyond = n[net->across + 1],
-                           cell[6] = {n[0], below, beyond, n[0], beyond, n[1]}; // counter-clockwise, y up
-            memcpy(warp->corners + 3 * (size_t)warp->n_triangles, cell, sizeof cell);
-            warp->n_triangles += 2;
-        }
+// A cell of `size` pixels, or its quarters where it is not whole.
+static void add_cell(Net *net, int x, int y, int size) {
+    FfpWarp *warp = net->warp;
+    if (!is_whole(net, x, y, size)) {
+        const int half = size / 2;
+        for (int k = 0; half > 0 && k < 4; k++) add_cell(net, x + k % 2 * half, y + k / 2 * half, half);
+        return;
+    }
+    if (warp->n_triangles + 2 > net->room[1]) {
+        net->room[1] = 2 * net->room[1] + 2048;
+        warp->corners = ffp_grow(warp->corners, 3 * net->room[1], sizeof *warp->corners);
+    }
+    const uint32_t a = corner(net, x, y), b = corner(net, x + size, y), c = corner(net, x, y + size),
+                   d = corner(net, x + size, y + size),
+                   cell[6] = {a, c, d, a, d, b}; // counter-clockwise, y up
+    memcpy(warp->corners + 3 * warp->n_triangles, cell, sizeof cell);
+    warp->n_triangles += 2;
 }
 
 FfpWarp ffp_warp_of_map(const FfpImage *map, const FfpCamera *camera) {
     const int longest = map->width > map->height ? map->width : map->height;
-    Net net = {.map = map, .camera = camera, .step = (longest + CELLS - 1) / CELLS};
-    net.across = (map->width - 1) / net.step + 1;
-    net.down = (map->height - 1) / net.step + 1;
-    net.reach = STEP * mean_side(&net);
-    const size_t count = (size_t)net.across * (size_t)net.down;
-    FfpWarp warp = {.position = ffp_alloc(3 * count, sizeof(real)),
-                    .texture = ffp_alloc(2 * count, sizeof(real)),
-                    .corners = ffp_alloc(6 * count, sizeof(uint32_t))};
-    net.number = ffp_alloc(count, sizeof *net.number);
-    take_corners(&warp, &net);
-    take_triangles(&warp, &net);
+    int step = 1;
+    while (step * CELLS < longest) step *= 2;
+    FfpWarp warp = {0};
+    Net net = {.map = map, .camera = camera, .reach = STEP * mean_side(map), .warp = &warp};
+    net.number = ffp_alloc((size_t)map->width * (size_t)map->height, sizeof *net.number);
+    for (int y = 0; y < map->height; y += step)
+        for (int x = 0; x < map->width; x += step) add_cell(&net, x, y, step);
     ffp_free(net.number);
     return warp;
 }

@@ -13,8 +13,9 @@
 bool ffp_write_stmap(const FfpImage *map, const FfpCamera *camera, const char *path, FfpError *err);
 
 // The same as a mesh in the projector's frame: triangles between pixel centres, x to the right and y up in
-// shares of its picture, z 0, with u, v as texture coordinates; at most 128 cells along the longer side.
-// Cells with a corner that sees nothing, or across a step in depth, are left out.
+// shares of its picture, z 0, with u, v as texture coordinates; at most 128 cells along the longer side,
+// halved down to single pixels where a corner sees nothing, or the camera sees a step in depth, which is left
+// out.
 typedef struct FfpWarp {
     real *position, *texture; // [n_corners,3], [n_corners,2]
     uint32_t *corners;        // [n_triangles,3] counter-clockwise, y up
