@@ -224,9 +224,11 @@ FFP_API FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *cap
                                       FfpError *err);
 
 // Binary PLY with the 3DGS property names, plus base_color_0..2 and roughness (docs/reference/formats.md).
-// Plain splats are opened too (PLY of 3DGS, 2DGS and gsplat, SPZ, glTF with KHR_gaussian_splatting): their
-// colour is taken as albedo and as ambient colour, the roughness is 0.5, and a note says so. Gaussians too
-// faint to be visible (opacity below 1/255) are omitted; it is an error if all of them are.
+// Plain splats are opened too (PLY of 3DGS, 2DGS and gsplat, compressed PLY, SPZ, .splat, glTF with
+// KHR_gaussian_splatting): their colour is taken as albedo and as ambient colour, the roughness is 0.5, and a
+// note says so. Splats that cannot be used are left out with a note; it is an error if they are more than a
+// tenth. Gaussians too faint to be visible (opacity below 1/255) are omitted; it is an error if all of them
+// are.
 FFP_API FfpGaussians *ffp_gaussians_open(FfpContext *context, const char *path, FfpError *err);
 FFP_API bool ffp_gaussians_save(FfpContext *context, const FfpGaussians *gaussians, const char *path,
                                 FfpError *err);
@@ -234,8 +236,7 @@ FFP_API bool ffp_gaussians_save(FfpContext *context, const FfpGaussians *gaussia
 typedef enum FfpUp { FFP_UP_Z, FFP_UP_Y, FFP_UP_MINUS_Y } FfpUp;
 
 // Turns splats of another program about the world's origin, from the axes of the file that they were opened
-// from
-// (`path`) into the capture's, whose z is up. `up`: the direction that is up in the file, the inverse of
+// from (`path`) into the capture's, whose z is up. `up`: the direction that is up in the file, the inverse of
 // FfpExport.up; NULL: of the 24 orders of axes the one that fits the capture's silhouettes and colours, with
 // a note, if it is clearly better than the file's; nothing is turned for files of relightable Gaussians.
 // Errors: photographs that cannot be read.
