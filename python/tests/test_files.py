@@ -22,13 +22,14 @@ def files(gaussians: ffp.Reconstructed, sample: Path, tmp_path_factory: pytest.T
         pytest.skip("skipped: no program `ffprocams` (FFPROCAMS_PROGRAM)")
     folder = tmp_path_factory.mktemp("files")
     gaussians.save(folder / "spot.ply")
-    of = ["-c", sample]
-    for arguments in (
+    of: list[str | Path] = ["-c", sample]
+    commands: tuple[list[str | Path], ...] = (
         ["export", folder / "spot.ply", "-o", folder / "splats.glb"],
         ["export", folder / "spot.ply", *of, "--mesh", "--resolution", "96", "-o", folder / "mesh.glb"],
         ["export", folder / "spot.ply", *of, "--mesh", "--resolution", "96", "-o", folder / "mesh.obj"],
         ["map", folder / "spot.ply", *of, "-v", VIEW, "-o", folder],
-    ):
+    )
+    for arguments in commands:
         subprocess.run([found, *arguments], check=True, capture_output=True)
     return folder
 

@@ -136,7 +136,7 @@ static void print_buffer(const FfpMpcdi *mpcdi, int first, FILE *out) {
     const FfpCamera *camera = &mpcdi->views[first]->camera;
     fputs("    <buffer id=\"", out);
     ffp_put_html(out, mpcdi->views[first]->id);
-    fprintf(out, "\" Xresolution=\"%d\" Yresolution=\"%d\">\n", camera->width, camera->height);
+    fprintf(out, "\" xResolution=\"%d\" yResolution=\"%d\">\n", camera->width, camera->height);
     for (int v = first; v < mpcdi->n_views; v++) {
         const FfpView *view = mpcdi->views[v];
         if (!ffp_same_device(&view->camera, camera)) continue;
@@ -144,7 +144,7 @@ static void print_buffer(const FfpMpcdi *mpcdi, int first, FILE *out) {
         ffp_put_html(out, view->id);
         fprintf(
             out,
-            "\" Xresolution=\"%d\" Yresolution=\"%d\" x=\"0.0\" y=\"0.0\" xsize=\"1.0\" ysize=\"1.0\"/>\n",
+            "\" xResolution=\"%d\" yResolution=\"%d\" x=\"0.0\" y=\"0.0\" xsize=\"1.0\" ysize=\"1.0\"/>\n",
             view->projector.width, view->projector.height);
     }
     fputs("    </buffer>\n", out);

@@ -395,7 +395,7 @@ static void check_archive(const FfpView *view, const FfpImage *shares) {
     snprintf(archive, sizeof archive, "%s", in_scratch("maps/projectors.mpcdi"));
     size_t size = unpack(archive, "mpcdi.xml", bytes, room - 1);
     bytes[size] = 0;
-    snprintf(wanted, sizeof wanted, "<region id=\"%s\" Xresolution=\"%d\"", view->id, shares->width);
+    snprintf(wanted, sizeof wanted, "<region id=\"%s\" xResolution=\"%d\"", view->id, shares->width);
     assert_non_null(strstr((char *)bytes, wanted));
     size = unpack(archive, "warp0.pfm", bytes, room);
     snprintf(wanted, sizeof wanted, "PF\n%d %d\n-1.0\n", shares->width, shares->height);

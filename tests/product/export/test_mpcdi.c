@@ -34,7 +34,7 @@ static void projectors_of_one_camera_share_its_picture(void **state) {
     ffp_mpcdi_abort(&mpcdi);
     bytes[unpack(PATH, "mpcdi.xml", bytes, sizeof bytes - 1)] = 0;
     const char *xml = (const char *)bytes,
-               *first = strstr(xml, "<buffer id=\"left &lt;a&gt;\" Xresolution=\"64\""),
+               *first = strstr(xml, "<buffer id=\"left &lt;a&gt;\" xResolution=\"64\""),
                *end = first ? strstr(first, "</buffer>") : NULL,
                *right = strstr(xml, "<region id=\"right &quot;b&quot;\"");
     assert_true(end && right && right > first && right < end);
