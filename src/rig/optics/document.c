@@ -14,16 +14,17 @@ bool ffp_document_open(FfpNode *root, const char *path, FfpError *err) {
     char *text = NULL;
     size_t size = 0;
     if (!ffp_read_text(path, FFP_DOCUMENT_BYTES_MAX, &text, &size, err)) return false;
-    const char *wrong =
-        strncmp(text, "PK\3\4", 4) == 0 || strncmp(text, "\x93NUMPY", 6) == 0
-            ? "is a numpy archive: write its matrices as YAML or JSON (camK, prjK, camKc, prjKc, R "
-              "and T), as cv2.FileStorage does"
-        : strncmp(text, "MATLAB 5.0", 10) == 0
-            ? "is a MATLAB file: write its matrices as YAML or JSON (camK, prjK, camKc, prjKc, R and T)"
-            : NULL;
-    if (wrong) {
+    static const char *const others[][2] = {{"PK\3\4", "numpy archive"},
+                                            {"\x93NUMPY", "numpy archive"},
+                                            {"MATLAB 5.0", "MATLAB file"},
+                                            {"\x80", "Python pickle"}};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        if (strncmp(text, others[i][0], strlen(others[i][0])) != 0) continue;
         ffp_free(text);
-        return ffp_fail(err, FFP_ERROR_FILE, path, "%s", wrong);
+        return ffp_fail(err, FFP_ERROR_FILE, path,
+                        "is a %s: write its matrices as YAML or JSON (camK, prjK, camKc, prjKc, R and T), as "
+                        "cv2.FileStorage does",
+                        others[i][1]);
     }
     const char first = text[strspn(text, " \t\r\n")];
     if (first == '{' || first == '[')

@@ -1,22 +1,29 @@
 // OpenCV FileStorage calibrations and DeProCams' params.yml: the same matrices under the names of many tools.
 // Their motion takes camera coordinates to projector coordinates, X_p = R X_c + T, and their pixel centres
 // lie at integers.
+#include <stdio.h>
 #include <string.h>
 #include "rig/optics/calibration.h"
 #include "rig/optics/matrix.h"
 
 #define CENTRE 0.5
 
-static const char *const camera_keys[] = {"cam_int",         "camK", "cam_K", "camIntrinsics",
-                                          "cam1_intrinsics", "Kc",   "M1",    NULL};
+static const char *const camera_keys[] = {"cam_int", "camK", "cam_K", "camIntrinsics", "cam1_intrinsics",
+                                          "Kc",      "M1",   "K1",    "cameraMatrix1", NULL};
 static const char *const camera_lens_keys[] = {
-    "cam_dist", "camKc", "cam_kc", "camDistCoeffs", "cam1_distorsion", "cam1_distortion", "kc", "D1", NULL};
+    "cam_dist",        "camKc", "cam_kc", "camDistCoeffs", "cam1_distorsion",
+    "cam1_distortion", "kc",    "D1",     "distCoeffs1",   NULL};
 static const char *const projector_keys[] = {"proj_int",        "prjK", "proj_K", "projIntrinsics",
-                                             "cam2_intrinsics", "Kp",   "M2",     NULL};
+                                             "cam2_intrinsics", "Kp",   "M2",     "K2",
+                                             "cameraMatrix2",   NULL};
 static const char *const projector_lens_keys[] = {
-    "proj_dist", "prjKc", "proj_kc", "projDistCoeffs", "cam2_distorsion", "cam2_distortion",
-    "kp",        "D2",    NULL};
+    "proj_dist",       "prjKc", "proj_kc", "projDistCoeffs", "cam2_distorsion",
+    "cam2_distortion", "kp",    "D2",      "distCoeffs2",    NULL};
 // "roration" is what kamino410/procam-calibration writes.
+// Of files of one device.
+static const char *const single_keys[] = {"camera_matrix", "Camera_Matrix", "cameraMatrix", "mtx", "K", NULL};
+static const char *const single_lens_keys[] = {
+    "distortion_coefficients", "Distortion_Coefficients", "distCoeffs", "dist_coeff", "dist", "D", NULL};
 static const char *const rotation_keys[] = {"rotation", "roration", "R", "Rp", NULL};
 static const char *const translation_keys[] = {"translation", "T", "Tp", NULL};
 
@@ -168,17 +175,36 @@ static bool take_device(FfpCalibration *calibration, const FfpNode *root, const 
     return *has = true;
 }
 
+// ROS' and Kalibr's names of what lens coefficients mean.
+static bool check_models(const FfpNode *device, FfpError *err) {
+    static const char *const keys[2] = {"camera_model", "distortion_model"},
+                             *const read[2] = {" pinhole ", " radtan plumb_bob rational_polynomial none "};
+    FfpNode field;
+    for (int i = 0; i < 2; i++) {
+        char name[64] = "";
+        if (!ffp_node_find(device, keys[i], &field)) continue;
+        if (json_is_string(field.value))
+            snprintf(name, sizeof name, " %.60s ", json_string_value(field.value));
+        if (!name[0] || !strstr(read[i], name))
+            return ffp_node_fail(
+                &field, err,
+                "the model%sis not removed: calibrate a pinhole with radtan (plumb_bob), k1 k2 "
+                "p1 p2 and k3",
+                name[0] ? name : " ");
+    }
+    return true;
+}
+
 // ROS' camera_info and OpenCV's calibration sample: a file for each device, without their motion.
 static bool read_single(FfpCalibration *calibration, const FfpNode *root, const FfpNode *matrix,
                         FfpError *err) {
-    static const char *const lens_keys[] = {"distortion_coefficients", "Distortion_Coefficients", NULL};
     FfpNode lens, field;
     FfpOptics *optics;
     bool distorted = false;
     int width = 0, height = 0;
-    if (!take_device(calibration, root, matrix, &optics, err) ||
+    if (!check_models(root, err) || !take_device(calibration, root, matrix, &optics, err) ||
         !ffp_node_intrinsics(matrix, CENTRE, optics, err) ||
-        !find_one(root, lens_keys, &lens, &distorted, err) ||
+        !find_one(root, single_lens_keys, &lens, &distorted, err) ||
         (distorted && !ffp_node_lens(&lens, optics, err)))
         return false;
     if (!ffp_node_find(root, "image_width", &field)) return read_motion(calibration, root, err);
@@ -191,11 +217,8 @@ static bool read_single(FfpCalibration *calibration, const FfpNode *root, const 
 static bool read_kalibr_device(const FfpNode *device, FfpOptics *optics, FfpError *err) {
     FfpNode field;
     double numbers[4], size[2];
-    if (ffp_node_find(device, "distortion_model", &field) &&
-        (!json_is_string(field.value) || (strcmp(json_string_value(field.value), "radtan") != 0 &&
-                                          strcmp(json_string_value(field.value), "none") != 0)))
-        return ffp_node_fail(&field, err, "only the distortion model radtan is removed");
-    if (!ffp_node_get(device, "intrinsics", &field, err) || !ffp_node_matrix_of(&field, 1, 4, numbers, err))
+    if (!check_models(device, err) || !ffp_node_get(device, "intrinsics", &field, err) ||
+        !ffp_node_matrix_of(&field, 1, 4, numbers, err))
         return false;
     const double k[9] = {numbers[0], 0, numbers[2], 0, numbers[1], numbers[3], 0, 0, 1};
     json_t *matrix = json_array();
@@ -223,7 +246,9 @@ bool ffp_read_kalibr(FfpCalibration *calibration, const FfpNode *root, FfpError 
     double c2p[16];
     if (calibration->has_camera || calibration->has_projector)
         return ffp_node_fail(root, err, "camera or projector were already given by another file");
-    if (!ffp_node_get(root, "cam0", &camera, err) || !ffp_node_get(root, "cam1", &projector, err) ||
+    if (!ffp_node_find(root, "cam1", &projector))
+        return ffp_node_fail(root, err, "holds one camera: the projector must be the second, cam1");
+    if (!ffp_node_get(root, "cam0", &camera, err) ||
         !read_kalibr_device(&camera, &calibration->camera, err) ||
         !read_kalibr_device(&projector, &calibration->projector, err) ||
         !ffp_node_get(&projector, "T_cn_cnm1", &motion, err) || !read_rows(&motion, c2p, err))
@@ -235,11 +260,12 @@ bool ffp_read_kalibr(FfpCalibration *calibration, const FfpNode *root, FfpError 
 
 bool ffp_read_opencv(FfpCalibration *calibration, const FfpNode *root, FfpError *err) {
     FfpNode camera;
+    bool single = false;
     const bool before[3] = {calibration->has_camera, calibration->has_projector,
                             calibration->has_projector_pose};
     bool told = false;
-    if (ffp_node_find(root, "camera_matrix", &camera) || ffp_node_find(root, "Camera_Matrix", &camera))
-        return read_single(calibration, root, &camera, err);
+    if (!find_one(root, single_keys, &camera, &single, err)) return false;
+    if (single) return read_single(calibration, root, &camera, err);
     if (ffp_node_find(root, "camera", &camera)) return read_camera_config(calibration, &camera, err);
     if (!read_sizes(calibration, root, &told, err) ||
         !read_device(root, camera_keys, camera_lens_keys, &calibration->camera, &calibration->has_camera,

@@ -358,6 +358,10 @@ static void test_other_tools(void **state) {
     write_text("extrinsics.yml", "%YAML:1.0\n---\n" MATRIX("R", 3, 3, R) MATRIX("T", 3, 1, T));
     must_read(two, 2);
     check_pair();
+    write_text("intrinsics.yml", MATRIX("cameraMatrix1", 3, 3, CAMERA) MATRIX("distCoeffs1", 1, 5, LENS)
+                                     MATRIX("cameraMatrix2", 3, 3, PROJECTOR));
+    must_read(two, 2);
+    check_pair();
     // ROS: a file for each device, by its name or in their order, and the motion from elsewhere.
     char ros[3][256];
     for (int named = 0; named < 2; named++) {
@@ -375,6 +379,9 @@ static void test_other_tools(void **state) {
         check_pair();
         must_fail(files, 2, "give the file that has R and T");
     }
+    write_text("camera.yaml", MATRIX("camera_matrix", 3, 3, CAMERA) "distortion_model: equidistant\n");
+    two[0] = ros[0];
+    must_fail(two, 2, "distortion_model");
     snprintf(first, sizeof first, "%s", in_scratch("a.yaml"));
     one[0] = first;
     write_text("a.yaml",
@@ -387,7 +394,10 @@ static void test_other_tools(void **state) {
     check_pair();
     write_text("a.yaml", "cam0:\n  distortion_model: equidistant\n  intrinsics: [272, 273, 135.5, 97.75]\n"
                          "cam1:\n  intrinsics: [254, 255, 157.5, 109.5]\n");
-    must_fail(one, 1, "only the distortion model radtan");
+    must_fail(one, 1, "distortion_model");
+    write_text("a.yaml",
+               "cam0:\n  camera_model: omni\n  intrinsics: [1, 272, 273, 135.5, 97.75]\ncam1: {}\n");
+    must_fail(one, 1, "camera_model");
     write_text("a.yaml",
                MATRIX("Kc", 3, 3, CAMERA) MATRIX("kc", 1, 5, LENS) MATRIX("Kp", 3, 3, PROJECTOR)
                    MATRIX("kp", 1, 5, "0, 0, 0, 0, 0") MATRIX("Rp", 3, 3, R)
