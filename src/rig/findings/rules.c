@@ -389,7 +389,7 @@ static const FfpRule rules[FFP_RULES] = {
          NULL},
     [FFP_RULE_CODES_FEW_BITS] =
         {"codes-of-twelve-bits", "exposure", FAULT, "of full scale", 4095.5 / 65535,
-         "no value of '{a}' is above {figure:.4f} of full scale, as of 12 bits in files of 16",
+         "no value of '{a}' is above a sixteenth of full scale, as of 12 bits in files of 16",
          "save the photographs as sRGB that fills the file's range, as cameras' JPEGs do; if they are as "
          "dark as that, was the projector on? Expose longer",
          NULL},

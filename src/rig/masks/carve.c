@@ -5,10 +5,8 @@
 #include "core/base/call.h"
 #include "core/base/rigid.h"
 #include "rig/checks/chord.h"
+#include "rig/masks/limits.h"
 
-#define REACH 1.1      // of the radius that bounds what is surely object
-#define SEEN_SHARE 0.5 // of all views, which must have a point in their pictures
-#define MARGIN 0.04    // of the radius that a point must lie before a surface to be seen through
 enum {
     SIDE = 112,       // voxels
     MAP = 160,        // cells of a projector's map
@@ -130,7 +128,7 @@ static bool ask(const FfpHull *h, int v, const real point[3], bool with_shadows,
     if (kind == FFP_PIXEL_STAGE && is_stage(view, kinds, (int)x, (int)y)) return false;
     e->seen++, e->object += kind == FFP_PIXEL_OBJECT || kind == FFP_PIXEL_LIT,
         e->stage += kind == FFP_PIXEL_DIM_STAGE;
-    e->through += ffp_free_space_votes(h->space, v, point, (real)MARGIN * h->capture->radius);
+    e->through += ffp_free_space_votes(h->space, v, point, (real)CARVE_MARGIN * h->capture->radius);
     if (with_shadows && (kind == FFP_PIXEL_UNKNOWN || kind == FFP_PIXEL_DIM_STAGE))
         e->unlit += would_be_lit(h, v, point);
     return true;
@@ -142,7 +140,7 @@ static bool is_possible(const FfpHull *h, const real point[3], bool with_shadows
     Evidence e = {0};
     for (int v = 0; v < n; v++)
         if (!ask(h, v, point, with_shadows, &e)) return false;
-    return e.seen >= SEEN_SHARE * n && e.stage < STAGE_MOST && e.through < THROUGH_MOST &&
+    return e.seen >= CARVE_SEEN_SHARE * n && e.stage < STAGE_MOST && e.through < THROUGH_MOST &&
            e.unlit < UNLIT_MOST + e.object;
 }
 

@@ -3,20 +3,13 @@
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 #include "rig/masks/layers.h"
+#include "rig/masks/limits.h"
 #include "rig/masks/local_mean.h"
 #include "rig/masks/masks.h"
 #include "rig/masks/place.h"
 
-#define SAME 2.0         // mean squared error of looks that are alike
-#define SHARE_LEAST 0.3  // of the views, which must share a look
-#define BRIGHTER 2.0     // times as much of white: the other look is a shadow
-#define SHADOWED 8.0     // likewise where two views alone show it
-#define LIT 10           // times the noise that white adds
-#define ABOVE_LEAST 0.02 // of the mean mask, which must stand above the platter
-#define SURE 0.02        // share of a Gaussian that must be known
 static const double near_and_far[3] = {0.05, 0.02, 0.008}; // Gaussians, of the picture's longer side
-#define GOES_ON 0.12 // of the light, by which a look may differ from the stage beside it
-enum { SIDE = 5, AROUND_LEAST = 4, ROUNDS = 200 }; // pixels around one; which must be known
+enum { SIDE = 5, AROUND_LEAST = 4, ROUNDS = 200 };         // pixels around one; which must be known
 enum { VIEWS_LEAST = 5, VIEWS_MOST = 16, SHARED_LEAST = 3 };
 
 typedef struct Common {
@@ -41,7 +34,7 @@ static bool is_alike(const Common *c, int a, int b, ptrdiff_t pixel) {
                          y = (double)two->of[k].data[3 * pixel + i];
             sum += (x - y) * (x - y) / ffp_layers_variance(c->noise, fmax(x, y), 0);
         }
-    return sum < SAME * 3 * one->n;
+    return sum < ALIKE * 3 * one->n;
 }
 
 // The view whose look at a pixel most others share, and how many do; a brighter one before its shadow.
@@ -53,9 +46,9 @@ static int choose(const Common *c, ptrdiff_t pixel, int least, int *shared) {
         if (counts[a] < least) continue;
         const double here = white_at(c->layers[a], pixel),
                      before = best < 0 ? 0 : white_at(c->layers[best], pixel);
-        const bool lit = here > LIT * c->noise;
-        if (best < 0 || (lit && here > BRIGHTER * before) ||
-            (counts[a] > counts[best] && !(before > LIT * c->noise && before > BRIGHTER * here)))
+        const bool lit = here > LIT_NOISE * c->noise;
+        if (best < 0 || (lit && here > COMMON_BRIGHTER * before) ||
+            (counts[a] > counts[best] && !(before > LIT_NOISE * c->noise && before > COMMON_BRIGHTER * here)))
             best = a;
     }
     *shared = best < 0 ? 0 : counts[best];
@@ -82,7 +75,7 @@ static bool is_brighter(const Common *c, const FfpEmptyStage *stage, int like, p
                *black = stage->images[c->capture->black].data + 3 * at;
     double known = 0;
     for (int i = 0; i < 3; i++) known += (double)(white[i] - black[i]) / 3;
-    return white_at(c->layers[like], pixel) > fmax(SHADOWED * known, LIT * c->noise);
+    return white_at(c->layers[like], pixel) > fmax(COMMON_SHADOWED * known, LIT_NOISE * c->noise);
 }
 
 // Whether a look under white goes on from the known stage around a pixel.
@@ -101,7 +94,7 @@ static bool goes_on(const Common *c, const FfpEmptyStage *stage, int like, ptrdi
     for (int i = 0; i < 3 && n > 0; i++) {
         const FfpLayers *of = c->layers[like];
         const double here = (double)of->of[0].data[3 * pixel + i] + (double)of->of[1].data[3 * pixel + i];
-        if (fabs(here - sum[i] / n) > c->noise + GOES_ON * fmax(here, sum[i] / n)) return false;
+        if (fabs(here - sum[i] / n) > c->noise + COMMON_GOES_ON * fmax(here, sum[i] / n)) return false;
     }
     return n >= AROUND_LEAST;
 }
@@ -150,7 +143,7 @@ static void fill_in(FfpImage *image, const unsigned char *known) {
     for (int k = 0; k < 3; k++) {
         FfpImage means = ffp_local_mean_where(image, known, fmax(longest * near_and_far[k], 1));
         for (ptrdiff_t i = 0; i < pixels; i++)
-            for (int c = 0; c < 3 && !known[i] && means.data[4 * i + 3] > SURE; c++)
+            for (int c = 0; c < 3 && !known[i] && means.data[4 * i + 3] > COMMON_SURE; c++)
                 image->data[3 * i + c] = means.data[4 * i + c];
         ffp_image_free(&means);
     }
@@ -201,11 +194,11 @@ static FfpCommon find(FfpEmptyStage *stage, const FfpCapture *capture, const uns
     for (ptrdiff_t i = 0; i < pixels; i++) {
         int shared;
         if (object && object[i]) continue;
-        const int like = choose(&c, i, (int)fmax(SHARED_LEAST, ceil(SHARE_LEAST * c.n)), &shared);
+        const int like = choose(&c, i, (int)fmax(SHARED_LEAST, ceil(COMMON_SHARE_LEAST * c.n)), &shared);
         if (like < 0) continue;
         take_mean(&c, stage, like, shared, i);
         known++;
-        lit += white_at(c.layers[like], i) > LIT * c.noise;
+        lit += white_at(c.layers[like], i) > LIT_NOISE * c.noise;
     }
     ffp_mask_drop_pieces(&stage->known); // parts of the object that are alike by chance
     grow(&c, stage);
@@ -227,7 +220,7 @@ bool ffp_common_stage(FfpEmptyStage *stage, FfpCommon *found, const FfpCapture *
 
 bool ffp_common_stage_again(FfpEmptyStage *stage, const FfpCapture *capture) {
     unsigned char *object = ffp_alloc((size_t)stage->known.width * (size_t)stage->known.height, 1);
-    const bool again = ffp_place_above(object, capture, stage) >= ABOVE_LEAST;
+    const bool again = ffp_place_above(object, capture, stage) >= COMMON_ABOVE_LEAST;
     if (again) {
         ffp_common_stage_free(stage, capture->n_patterns);
         find(stage, capture, object);

@@ -3,10 +3,8 @@
 #include "core/base/alloc.h"
 #include "core/numerics/rank.h"
 #include "rig/findings/tell.h"
+#include "rig/masks/limits.h"
 #include "rig/masks/masks.h"
-
-#define LIGHT_LEAST 0.001 // of full scale, by which the room's light must differ, and
-#define LIGHT_CHANGE 0.25 // of the brighter one
 
 // Names what was bumped or photographed from another place: most views, then it is the stage, or one of them.
 static void warn_of_displacement(const FfpMasking *masking) {
@@ -47,7 +45,7 @@ static void warn_of_other_room_light(const FfpMasking *masking) {
         if (!masking->made[v] || !masking->stages[v].images[black].data) continue;
         const double view = median_of(&masking->capture->views[v].images[black]),
                      stage = median_of(&masking->stages[v].images[black]), off = fabs(view - stage);
-        if (off > fmax(LIGHT_LEAST, LIGHT_CHANGE * fmax(view, stage)) && off > most)
+        if (off > fmax(ROOM_LIGHT_LEAST, LIGHT_CHANGE * fmax(view, stage)) && off > most)
             odd = v, most = off, here = view, there = stage;
     }
     if (odd >= 0)
@@ -66,7 +64,7 @@ static bool check_order(const FfpMasking *masking, FfpError *err) {
     for (int v = 0; v < masking->capture->n_views; v++) {
         const FfpImage *black = &masking->stages[v].images[masking->capture->black],
                        *white = &masking->stages[v].images[masking->capture->white];
-        if (!black->data || !white->data || mean_of(black) <= mean_of(white) + LIGHT_LEAST) continue;
+        if (!black->data || !white->data || mean_of(black) <= mean_of(white) + ROOM_LIGHT_LEAST) continue;
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "empty",
                         "the stage is brighter under black (%.4f of full scale) than under white (%.4f): the "
                         "two pictures are exchanged",

@@ -5,18 +5,9 @@
 #include "core/numerics/rank.h"
 #include "rig/checks/measure.h"
 #include "rig/findings/tell.h"
+#include "rig/masks/limits.h"
 #include "rig/masks/local_mean.h"
 #include "rig/masks/masks.h"
-
-#define MISFIT_LEAST 0.12 // of the pixels, which contradict the other views' masks: those show a wall
-#define LIT_LEAST 0.5     // of what is lit that must stay the same
-#define MISFIT_MORE 0.01  // by which masks of all light may contradict each other more than others
-#define LACKING_MOST 0.02 // of the masks' pixels, which all light does not show
-#define VIEWS_TURNED 5    // that tell it
-#define LIGHT_LEAST 0.01  // of full scale, by which the light under black may change, and
-#define LIGHT_CHANGE 0.25 // of itself
-#define AGREE_LEAST 0.9   // of the masks' pixels
-#define GAIN_MOST 1.1     // either way, by which the light may have changed without a word
 
 static void note_stage(const FfpMasking *masking, const FfpStageMasks *report, const char *from) {
     ffp_note(
@@ -26,7 +17,7 @@ static void note_stage(const FfpMasking *masking, const FfpStageMasks *report, c
     if (report->shade > 0)
         ffp_note("  %.1f %% are shadows of the object on the stage that only their colour tells",
                  100 * report->shade);
-    if (report->gain_least < 1 / GAIN_MOST || report->gain_most > GAIN_MOST)
+    if (report->gain_least < 1 / MASKS_GAIN_MOST || report->gain_most > MASKS_GAIN_MOST)
         ffp_tell(FFP_RULE_STAGE_GAIN, &(FfpFacts){.x = report->gain_least, .y = report->gain_most});
 }
 
@@ -69,7 +60,7 @@ static double masked_share(const FfpCapture *capture) {
 // hold then does not fit into the devices' fields.
 static bool may_show_background(const FfpCapture *capture) {
     return !ffp_rig_frusta_hold(ffp_rig_frusta(capture)) ||
-           ffp_rig_silhouette_misfit(capture) >= MISFIT_LEAST;
+           ffp_rig_silhouette_misfit(capture) >= MASKS_MISFIT_LEAST;
 }
 
 // Replaces the masks by those from the one stage of all views; false, and they stay, when that fails.
@@ -102,10 +93,11 @@ static bool mask_by_common_stage(const FfpMasking *masking) {
     FfpEmptyStage stage = {0};
     FfpCommon found;
     FfpStageMasks report;
-    if (!masking->turns || capture->n_views < VIEWS_TURNED) return false;
+    if (!masking->turns || capture->n_views < MASKS_VIEWS_TURNED) return false;
     ffp_capture_estimate_bounds(capture);
     if (!may_show_background(capture) || !ffp_common_stage(&stage, &found, capture)) return false;
-    const bool ok = found.lit > LIT_LEAST * masked_share(capture) && replace_masks(masking, &stage, &report);
+    const bool ok =
+        found.lit > MASKS_LIT_LEAST * masked_share(capture) && replace_masks(masking, &stage, &report);
     if (ok) {
         if (ffp_common_stage_again(&stage, capture)) replace_masks(masking, &stage, &report);
         soften_edges(masking, &stage, &report);
@@ -116,8 +108,6 @@ static bool mask_by_common_stage(const FfpMasking *masking) {
     return ok;
 }
 
-#define VIEWS_GROWN 4 // from which on views know enough of each other
-
 typedef struct Grown {
     bool asked, sure; // whether other views could say, and did
     double added;     // share of the object's pixels
@@ -127,7 +117,7 @@ typedef struct Grown {
 static Grown add_shadows(const FfpMasking *masking) {
     FfpCapture *capture = masking->capture;
     int64_t covered = 0, added;
-    Grown out = {.asked = masking->posed && capture->n_views >= VIEWS_GROWN};
+    Grown out = {.asked = masking->posed && capture->n_views >= MASKS_VIEWS_GROWN};
     if (!out.asked) return out;
     for (int v = 0; v < capture->n_views; v++) {
         const FfpImage *mask = &capture->views[v].coverage;
@@ -165,7 +155,7 @@ static void warn_of_other_light(const FfpMasking *masking) {
     double *lights = ffp_alloc(2 * (size_t)n, sizeof *lights), *sorted = lights + n;
     int odd = -1;
     for (int v = 0; v < n; v++) lights[v] = sorted[v] = room_light(masking, v);
-    const double usual = ffp_median(sorted, (size_t)n), most = fmax(LIGHT_LEAST, LIGHT_CHANGE * usual);
+    const double usual = ffp_median(sorted, (size_t)n), most = fmax(MASKS_LIGHT_LEAST, LIGHT_CHANGE * usual);
     for (int v = 0; v < n; v++)
         if (fabs(lights[v] - usual) > most &&
             (odd < 0 || fabs(lights[v] - usual) > fabs(lights[odd] - usual)))
@@ -182,13 +172,13 @@ static void note_agreement(const FfpMasking *masking) {
     if (!masking->posed || capture->n_views < 2) return;
     ffp_capture_estimate_bounds(capture);
     const double share = 1 - ffp_rig_silhouette_misfit(capture);
-    if (!masking->stages || share >= AGREE_LEAST)
+    if (!masking->stages || share >= MASKS_AGREE_LEAST)
         ffp_note(
             "  %.1f %% of the masks' pixels agree with the other views' masks; masks.png in the capture's "
             "folder shows all of them",
             100 * share);
     else
-        ffp_tell(FFP_RULE_MASKS_DISAGREE, &(FfpFacts){.figure = share, .limit = AGREE_LEAST});
+        ffp_tell(FFP_RULE_MASKS_DISAGREE, &(FfpFacts){.figure = share, .limit = MASKS_AGREE_LEAST});
 }
 
 static void note_otsu(const Grown *grown, int made) {
@@ -247,12 +237,12 @@ static bool is_better(const FfpMasking *masking, FfpImage *masks, bool completed
     for (int v = 0; masking->stages && v < capture->n_views; v++)
         if (!ffp_dark_stage(capture, v, &masking->stages[v])) return false;
     if (!completed) return true;
-    if (lacking(capture, masks) >= LACKING_MOST) return false;
+    if (lacking(capture, masks) >= MASKS_LACKING_MOST) return false;
     const double before = misfit_of(capture);
     exchange_masks(capture, masks);
     const double after = misfit_of(capture);
     exchange_masks(capture, masks);
-    return after < before + MISFIT_MORE;
+    return after < before + MASKS_MISFIT_MORE;
 }
 
 // Where nothing but the object sends light to the camera, all light together shows it, and its shadows too.

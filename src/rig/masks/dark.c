@@ -2,15 +2,9 @@
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 #include "core/numerics/rank.h"
+#include "rig/masks/limits.h"
 #include "rig/masks/local_mean.h"
 #include "rig/masks/masks.h"
-
-#define SMOOTH 0.7          // pixels
-#define SIGMAS 5.0          // of the background's noise, by which the object is brighter
-#define NOISE_LEAST 1e-4    // linear: a third of the first step of 8 bits
-#define EVEN 0.03           // of the object's light
-#define COVERED_MOST 0.6    // of a picture: its darker half must be background
-#define STAGE_QUANTILE 0.99 // of the empty stage's pixels, which must be dark
 
 typedef struct Level { // of what is darker than the median
     double middle, deviation;
@@ -49,7 +43,7 @@ static Level level_of(double *values, size_t n) {
         if (values[i] < most) values[lower++] = values[i];
     Level out = {lower > 0 ? ffp_median(values, lower) : most, 0};
     for (size_t i = 0; i < lower; i++) values[i] = fabs(values[i] - out.middle);
-    out.deviation = fmax(lower > 0 ? 1.4826 * ffp_median(values, lower) : 0, NOISE_LEAST);
+    out.deviation = fmax(lower > 0 ? 1.4826 * ffp_median(values, lower) : 0, DARK_NOISE_LEAST);
     return out;
 }
 
@@ -79,7 +73,7 @@ static bool mask_view(FfpImage *mask, const FfpCapture *capture, int v) {
     const FfpView *view = &capture->views[v];
     FfpImage mean = mean_of(view->images, capture->n_patterns, &view->images[capture->white]);
     const Level level = level_of_image(&mean);
-    const double least = SIGMAS * level.deviation;
+    const double least = DARK_SIGMAS * level.deviation;
     double share;
     *mask = ffp_image_new(mean.width, mean.height, 1);
     for (ptrdiff_t i = 0; i < (ptrdiff_t)mean.width * mean.height; i++)
@@ -88,7 +82,7 @@ static bool mask_view(FfpImage *mask, const FfpCapture *capture, int v) {
     ffp_mask_fill_specks(mask);
     const double bright = brightness_of(&mean, mask, level.middle, &share);
     ffp_image_free(&mean);
-    return share > 0 && share < COVERED_MOST && least < EVEN * bright;
+    return share > 0 && share < DARK_COVERED_MOST && least < DARK_EVEN * bright;
 }
 
 bool ffp_dark_masks(FfpImage *masks, const FfpCapture *capture) {
@@ -109,10 +103,10 @@ bool ffp_dark_stage(const FfpCapture *capture, int view, const FfpEmptyStage *st
     const Level level = level_of_image(&seen);
     double *values = ffp_alloc(pixels, sizeof *values);
     for (size_t i = 0; i < pixels; i++) values[i] = (double)empty.data[i];
-    const double most = ffp_quantile(values, pixels, STAGE_QUANTILE);
+    const double most = ffp_quantile(values, pixels, DARK_STAGE_QUANTILE);
     ffp_free(values);
     ffp_image_free(&seen), ffp_image_free(&empty);
-    return most < level.middle + SIGMAS * level.deviation;
+    return most < level.middle + DARK_SIGMAS * level.deviation;
 }
 
 // A picture's background, the same everywhere.

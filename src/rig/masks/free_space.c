@@ -4,10 +4,8 @@
 #include "core/capture/reduce.h"
 #include "core/capture/small.h"
 #include "engine/match/match.h"
+#include "rig/masks/limits.h"
 
-#define CONFIDENCE 0.2 // of a depth that is believed
-#define VIOLATION 0.3  // share of the views that may see past it
-#define COVERED 0.5
 enum { SIDE = 160 }; // cells of a projector's map
 
 // A small capture over black, normalised; the pattern's own memory is the capture's.
@@ -24,8 +22,8 @@ static FfpCapture masked_copy(const FfpCapture *capture, int active) {
 }
 
 static bool is_sure(const FfpInitialisation *found, size_t at) {
-    return (double)found->confidence[at] > CONFIDENCE && (double)found->violation[at] <= VIOLATION &&
-           (double)found->coverage[at] > COVERED;
+    return (double)found->confidence[at] > FREE_CONFIDENCE &&
+           (double)found->violation[at] <= FREE_VIOLATION && (double)found->coverage[at] > FREE_COVERED;
 }
 
 // What one view's camera and projector see nearest, of the depths that are sure.

@@ -3,13 +3,10 @@
 #include "core/base/arena.h"
 #include "core/base/call.h"
 #include "rig/checks/chord.h"
+#include "rig/masks/limits.h"
 #include "rig/masks/masks.h"
 #include "rig/masks/voxels.h"
 
-#define REACH 1.1F     // of the radius that bounds what is lit: the rest lies a little outside
-#define NEAR 3         // voxels that a point must lie behind what shadows it
-#define ADDED_MOST 0.4 // of what is lit in all views
-#define LIT_SHARE 6    // views that show light for one that has a shadow
 // RUN: of a ray's samples in a row that must be possible, 7 % of the object's width: the hull is larger than
 // the object where rays touch it.
 enum { CELLS = 96, MAP = 192, SAMPLES = 128, RUN = 8, ROUNDS = 4, SIDE_MAX = 256 };
@@ -39,7 +36,7 @@ static bool in_shadow(const Hull *h, int v, const real point[3]) {
     int cell;
     real far;
     if (!ffp_depth_map_find(&h->nearest[v], point, &cell, &far)) return true;
-    return far > h->nearest[v].z[cell] + NEAR * h->voxels.step;
+    return far > h->nearest[v].z[cell] + GROW_NEAR * h->voxels.step;
 }
 
 // Whether the views but one (-1: all) allow the object at a point; without shadows all must show it.
@@ -50,7 +47,7 @@ static bool is_possible(const Hull *h, const real point[3], int but, bool with_s
         lit += what == LIT, dark += what == DARK;
         if (what == DARK && (!with_shadows || !in_shadow(h, v, point))) return false;
     }
-    return lit > 0 && lit >= LIT_SHARE * dark;
+    return lit > 0 && lit >= GROW_LIT_SHARE * dark;
 }
 
 // --- The hull and its shadows. ---
@@ -136,7 +133,7 @@ static bool too_dark(const FfpCapture *capture, const bool *made, const FfpImage
         lit += count(&capture->views[v], NULL);
         added += count(&capture->views[v], &possible[v]);
     }
-    return (double)added > ADDED_MOST * (double)lit;
+    return (double)added > GROW_ADDED_MOST * (double)lit;
 }
 
 // Opens a view's holes and adds what is possible.
@@ -171,7 +168,7 @@ bool ffp_grow_masks(FfpCapture *capture, const bool *made, const FfpImage *holes
     const int n = capture->n_views;
     const real radius = capture->radius;
     FfpImage *possible = ffp_alloc((size_t)n, sizeof *possible);
-    capture->radius *= REACH;
+    capture->radius *= (real)REACH;
     Hull h = new_hull(capture, holes);
     build_hull(&h);
     for (int v = 0; v < n; v++) {

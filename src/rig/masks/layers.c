@@ -2,13 +2,8 @@
 #include <tgmath.h>
 #include "core/base/alloc.h"
 #include "core/numerics/rank.h"
+#include "rig/masks/limits.h"
 #include "rig/masks/local_mean.h"
-
-#define SMOOTH 0.7       // pixels
-#define NOISE_LEAST 6e-4 // linear: two steps of an 8-bit picture where it is dark
-#define NOISE_FACTOR 2.2 // times the differences' deviation
-#define RELATIVE 0.06    // of the light
-#define EDGE 0.15        // of what a pixel's neighbours differ by
 
 static FfpImage difference(const FfpImage *image, const FfpImage *black) {
     FfpImage out = ffp_image_copy(image);
@@ -43,9 +38,10 @@ double ffp_layers_noise(const FfpLayers *a, const FfpLayers *b) {
     for (size_t i = 0; i < count; i++) off[i] = fabs((double)(a->of[0].data[i] - b->of[0].data[i]));
     const double deviation = 1.4826 * ffp_median(off, count);
     ffp_free(off);
-    return fmax(NOISE_FACTOR * deviation, NOISE_LEAST);
+    return fmax(LAYER_NOISE_FACTOR * deviation, LAYER_NOISE_LEAST);
 }
 
 double ffp_layers_variance(double noise, double light, double edge) {
-    return noise * noise + RELATIVE * RELATIVE * light * light + EDGE * EDGE * edge * edge;
+    return noise * noise + LAYER_RELATIVE * LAYER_RELATIVE * light * light +
+           LAYER_EDGE * LAYER_EDGE * edge * edge;
 }

@@ -3,11 +3,10 @@
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "rig/graycode/graycode.h"
+#include "rig/masks/limits.h"
 #include "rig/masks/masks.h"
 
 #define BINS 256
-#define SPECK_LEAST 200 // likewise of background inside it that is none
-#define PIECE_LEAST 20  // of the largest piece's size, its share that a piece must have at least
 
 static const real luminance[3] = {0.2126F, 0.7152F, 0.0722F};
 
@@ -128,7 +127,8 @@ static void tidy(FfpImage *mask, FfpImage *holes) {
     ptrdiff_t largest = 0;
     for (int k = 1; k <= n; k++) largest = sizes[k] > largest ? sizes[k] : largest;
     for (ptrdiff_t i = 0; i < pixels; i++) {
-        if (labels[i] > 0 && sizes[labels[i]] * PIECE_LEAST < largest) mask->data[i] = holes->data[i] = 0;
+        if (labels[i] > 0 && sizes[labels[i]] * MASK_PIECE_LEAST < largest)
+            mask->data[i] = holes->data[i] = 0;
     }
     ffp_free(labels);
     ffp_free(stack);
@@ -158,7 +158,7 @@ static void drop(FfpImage *mask, ptrdiff_t least, double share) {
 }
 
 void ffp_mask_drop_pieces(FfpImage *mask) {
-    drop(mask, 0, 1.0 / PIECE_LEAST);
+    drop(mask, 0, 1.0 / MASK_PIECE_LEAST);
 }
 
 void ffp_mask_drop_specks(FfpImage *mask, int64_t least) {
@@ -177,7 +177,7 @@ int64_t ffp_mask_fill_specks(FfpImage *mask) {
     for (ptrdiff_t i = 0; i < pixels; i++)
         if (labels[i] > 0 && on_border(mask, i)) sizes[labels[i]] = pixels;
     for (ptrdiff_t i = 0; i < pixels; i++) {
-        if (labels[i] == 0 || sizes[labels[i]] * SPECK_LEAST >= largest) continue;
+        if (labels[i] == 0 || sizes[labels[i]] * MASK_SPECK_LEAST >= largest) continue;
         mask->data[i] = 1;
         filled++;
     }

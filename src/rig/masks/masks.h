@@ -34,8 +34,8 @@ typedef struct FfpCompared {
 // Compares a view's photographs, which are not masked yet, with the stage's, both smoothed. With the light d
 // that each pattern adds to black in the view and d0 on the stage, a pixel is stage where one factor near 1
 // explains all patterns and channels, d = a d0; a shadow and what it leaves half lit have smaller factors and
-// are unknown. Errors allowed are those of the noise, of 6 % of the light, and of a pixel's neighbours, since
-// lens and pixel blur edges. `where` names the view's pictures in errors: of the stage hardly anything is
+// are unknown. Errors allowed are those of the noise, of a share of the light, and of a pixel's neighbours,
+// since lens and pixel blur edges (limits.h). `where` names the view's pictures in errors: of the stage hardly anything is
 // seen.
 bool ffp_stage_compare(FfpCompared *compared, const FfpCapture *capture, int view, const FfpEmptyStage *stage,
                        const char *where, FfpError *err);
@@ -119,7 +119,7 @@ typedef struct FfpCommon {
 // freed by ffp_common_stage_free) knows only such pixels. False when there are fewer than five views.
 bool ffp_common_stage(FfpEmptyStage *stage, FfpCommon *found, const FfpCapture *capture);
 // Finds *stage again, once there are masks made with it (coverage, 0 and 1), if part of what was taken for
-// the stage stands above the platter (ffp_place_above), 2 % of the mean mask at least: there the object looks
+// the stage stands above the platter (ffp_place_above), enough of the mean mask: there the object looks
 // the same from all sides. Such pixels then count as the object. False, and nothing is done, if there is
 // less.
 bool ffp_common_stage_again(FfpEmptyStage *stage, const FfpCapture *capture);
@@ -139,8 +139,8 @@ void ffp_soften_mask(const FfpCapture *capture, FfpView *view, const FfpEmptySta
 
 // The displacement (x, y) in pixels by which the stage's pictures look most like the view's; 0, 0 if none is
 // clearly better than none. What white adds to black is compared, linear, 3 channels, all four of one size,
-// by the mean of |a - b| / (a + b), at most 0.25 a pixel so that the object counts little, at displacements
-// of up to 6 % of the width in pictures of about 160 pixels.
+// by the mean of |a - b| / (a + b), bounded for each pixel so that the object counts little, at displacements
+// in small pictures.
 void ffp_stage_moved(int moved[2], const FfpImage *black, const FfpImage *white, const FfpImage *stage_black,
                      const FfpImage *stage_white);
 

@@ -5,23 +5,9 @@
 #include "core/base/call.h"
 #include "core/image/lookup.h"
 #include "rig/masks/layers.h"
+#include "rig/masks/limits.h"
 #include "rig/masks/local_mean.h"
 
-#define NEAREST 0.5        // of the camera's distance from the object, of depths that are tried
-#define FARTHEST 3.0       // of it
-#define SMOOTH 0.6         // pixels, of a Gaussian, for the stage's pictures,
-#define WINDOW 1.2         // and for squared differences
-#define BLUR 2.0           // pixels of the camera, over which the pattern is averaged
-#define RELATIVE 0.08      // of what white adds: the error to allow in what a pattern adds
-#define COST_MOST 8.0      // of a place that is believed: its three channels' squared errors, their sum
-#define CLEARLY 0.5        // of the cost of any place that the object cannot reach; or
-#define EVEN 0.05          // of the radius: depths that differ by less, around a pixel,
-#define COST_LIMIT 30.0    // of one
-#define LIT 5.0            // times the noise that white adds
-#define BIN 0.02           // of the sphere's radius, of heights among which the platter's is looked for
-#define ABOVE 0.06         // of it, by which something stands above the platter
-#define AS_MANY 0.5        // of the pixels at the commonest height
-#define PLATTER_LEAST 0.05 // of the pixels within reach, which must lie at the platter's height
 enum { SIDE = 5, EVEN_LEAST = 16 }; // of so many times so many pixels, as many at least
 enum { DEPTHS = 288, HEIGHTS = 200 };
 enum { AROUND = 4, CLOSED = 2 }; // pixels about marks that count as marked; half the width of gaps in them
@@ -45,7 +31,7 @@ typedef struct Sweep {
 } Sweep;
 
 static FfpImage added(const FfpImage *image, const FfpImage *black) {
-    FfpImage out = ffp_local_mean(image, SMOOTH), dark = ffp_local_mean(black, SMOOTH);
+    FfpImage out = ffp_local_mean(image, PLACE_SMOOTH), dark = ffp_local_mean(black, PLACE_SMOOTH);
     for (ptrdiff_t i = 0; i < 3 * (ptrdiff_t)out.width * out.height; i++) out.data[i] -= dark.data[i];
     ffp_image_free(&dark);
     return out;
@@ -77,14 +63,15 @@ static Sweep new_sweep(const FfpCapture *capture, const FfpEmptyStage *stage) {
                .pixels = (ptrdiff_t)black->width * black->height,
                .known = stage->known.data,
                .noise = noise_of(capture)};
-    s.footprint = (real)fmax(1, BLUR * distance_of(capture, &view->camera) / (double)view->camera.fx *
+    s.footprint = (real)fmax(1, PLACE_BLUR * distance_of(capture, &view->camera) / (double)view->camera.fx *
                                     (double)view->projector.fx / distance_of(capture, &view->projector));
     const ptrdiff_t count = 3 * s.pixels;
     s.lights = added(&stage->images[capture->white], black);
     s.weights = ffp_image_new(black->width, black->height, 3);
     for (ptrdiff_t i = 0; i < count; i++) {
         const double white = fmax((double)s.lights.data[i], 0);
-        s.weights.data[i] = (real)(white * white / (s.noise * s.noise + RELATIVE * RELATIVE * white * white));
+        s.weights.data[i] =
+            (real)(white * white / (s.noise * s.noise + PLACE_RELATIVE * PLACE_RELATIVE * white * white));
     }
     for (int p = 0; p < capture->n_patterns; p++) {
         if (p == capture->black || p == capture->white) continue;
@@ -118,7 +105,7 @@ static real cost_at(const Sweep *s, ptrdiff_t pixel, double z) {
     point_at(s, pixel, z, point);
     if (!(ffp_project(projector, point, &u, &v) > 0) || u < 0 || v < 0 || u >= (real)projector->width ||
         v >= (real)projector->height)
-        return COST_LIMIT;
+        return PLACE_COST_LIMIT;
     for (int k = 0; k < s->n; k++) {
         ffp_lookup(&s->patterns[k], u, v, s->footprint, s->footprint, colour);
         for (int i = 0; i < 3; i++) {
@@ -126,7 +113,7 @@ static real cost_at(const Sweep *s, ptrdiff_t pixel, double z) {
             sum += (double)s->weights.data[3 * pixel + i] * off * off / s->n;
         }
     }
-    return (real)fmin(sum, COST_LIMIT);
+    return (real)fmin(sum, PLACE_COST_LIMIT);
 }
 
 // Whether the object's sphere, turned about the axis, reaches as far from it as a point.
@@ -142,11 +129,12 @@ static void sweep(const Sweep *s, Places *places) {
     FfpImage costs = ffp_image_new(width, height, 1);
     for (ptrdiff_t i = 0; i < pixels; i++) places->cost[i] = places->beyond[i] = INFINITY;
     for (int k = 0; k < DEPTHS; k++) {
-        const double share = (k + 0.5) / DEPTHS, z = away / ((1 - share) / NEAREST + share / FARTHEST);
+        const double share = (k + 0.5) / DEPTHS,
+                     z = away / ((1 - share) / PLACE_NEAREST + share / PLACE_FARTHEST);
         ffp_cancel_point();
 #pragma omp parallel for schedule(static)
         for (ptrdiff_t i = 0; i < pixels; i++) costs.data[i] = cost_at(s, i, z);
-        FfpImage means = ffp_local_mean(&costs, WINDOW);
+        FfpImage means = ffp_local_mean(&costs, PLACE_WINDOW);
 #pragma omp parallel for schedule(static)
         for (ptrdiff_t i = 0; i < pixels; i++) {
             real point[3];
@@ -170,7 +158,7 @@ static double height_of(const Sweep *s, const Places *places, ptrdiff_t pixel) {
 // The greatest height at which half as many marked pixels lie as at the commonest one: a table around the
 // platter is seen as well. False where too few do.
 static bool find_platter(const Sweep *s, const Places *places, const unsigned char *marks, double *platter) {
-    const double bin = BIN * (double)s->capture->radius;
+    const double bin = PLACE_BIN * (double)s->capture->radius;
     int64_t counts[HEIGHTS + 2] = {0}, near[HEIGHTS + 2] = {0}, all = 0, most = 0;
     for (ptrdiff_t i = 0; i < s->pixels; i++) {
         const double at = height_of(s, places, i) / bin + HEIGHTS / 2;
@@ -182,17 +170,17 @@ static bool find_platter(const Sweep *s, const Places *places, const unsigned ch
         most = near[k] > most ? near[k] : most;
     }
     for (int k = HEIGHTS; k >= 1; k--) {
-        if (near[k] < AS_MANY * (double)most || near[k] < near[k - 1]) continue;
+        if (near[k] < PLACE_AS_MANY * (double)most || near[k] < near[k - 1]) continue;
         *platter = (k - 0.5 - HEIGHTS / 2) * bin;
         break;
     }
-    return (double)most > PLATTER_LEAST * (double)all;
+    return (double)most > PLACE_PLATTER_LEAST * (double)all;
 }
 
 static bool is_lit(const Sweep *s, ptrdiff_t pixel) {
     double light = 0;
     for (int i = 0; i < 3; i++) light += (double)s->lights.data[3 * pixel + i] / 3;
-    return light > LIT * s->noise;
+    return light > PLACE_LIT * s->noise;
 }
 
 // Whether most of the pixels around one lie as far away as it does; depths found by chance do not.
@@ -205,7 +193,7 @@ static bool is_smooth(const Sweep *s, const Places *places, ptrdiff_t pixel) {
         if (px < 0 || py < 0 || px >= width || py >= height) continue;
         const ptrdiff_t i = (ptrdiff_t)py * width + px;
         near += places->cost[i] < places->beyond[i] &&
-                fabs((double)(places->z[i] - places->z[pixel])) < EVEN * (double)s->capture->radius;
+                fabs((double)(places->z[i] - places->z[pixel])) < PLACE_EVEN * (double)s->capture->radius;
     }
     return near >= EVEN_LEAST;
 }
@@ -215,15 +203,15 @@ static bool mark(unsigned char *marks, const Sweep *s, const Places *places) {
     const double radius = (double)s->capture->radius;
     double platter = 0;
     for (ptrdiff_t i = 0; i < s->pixels; i++)
-        marks[i] = s->known[i] > 0 && is_lit(s, i) && (double)places->cost[i] < COST_MOST &&
+        marks[i] = s->known[i] > 0 && is_lit(s, i) && (double)places->cost[i] < PLACE_COST_MOST &&
                    places->cost[i] < places->beyond[i];
     if (!find_platter(s, places, marks, &platter)) return false;
     for (ptrdiff_t i = 0; i < s->pixels; i++) {
         const double above = height_of(s, places, i) - platter;
-        marks[i] =
-            marks[i] &&
-            ((double)places->cost[i] < CLEARLY * (double)places->beyond[i] || is_smooth(s, places, i)) &&
-            above > ABOVE * radius && above < 2 * radius;
+        marks[i] = marks[i] &&
+                   ((double)places->cost[i] < PLACE_CLEARLY * (double)places->beyond[i] ||
+                    is_smooth(s, places, i)) &&
+                   above > PLACE_ABOVE * radius && above < 2 * radius;
     }
     return true;
 }

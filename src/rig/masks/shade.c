@@ -2,30 +2,9 @@
 #include <tgmath.h>
 #include "core/base/alloc.h"
 #include "core/numerics/rank.h"
+#include "rig/masks/limits.h"
 #include "rig/masks/local_mean.h"
 #include "rig/masks/masks.h"
-
-#define SMOOTH 0.8        // pixels
-#define COLOUR_SMOOTH 2.0 // under black, which is noisy
-#define OBJECT_SMOOTH 6.0 // how far away the object's colour is looked for
-#define DIRECT_SMOOTH 1.5 // for the light that patterns add
-#define DARK 0.25         // of the light that white adds to the stage: less is dark
-#define LIT 10            // times the noise: the stage must have this much light to lose
-#define UMBRA_MOST 0.15   // of white on the stage: shadows elsewhere count up to this
-#define DARKNESS 1.6      // times the median of these
-#define NO_COLOUR 1.2     // the same where black says nothing
-#define COLOUR_OFF 0.02   // by which the stage's chromaticity must fit better than the object's
-#define COLOUR_LEAST 1.5  // times the noise that black must have
-#define COLOUR_SURE 0.08  // the same, and
-#define BLACK_SURE 2.0    // times the noise that black must have, where
-#define KEPT_LEAST 0.75   // less of the stage's black is left: the room's lamp has its shadows, too
-#define KEPT_EVER 0.22    // of it that every shadow keeps: below, the object is darker than the stage
-#define KEPT_MOST 1.2     // of the stage's black: the object is brighter
-#define DIRECT 1.5        // squared error, in variances, of light that cannot be bounced
-#define DIRECT_NOISE 0.3  // of the noise: what is left of it in a local mean
-#define DIRECT_OFF 0.15   // of the light: bounced light differs from place to place
-#define UMBRA_LEAST 30    // pixels
-#define PIECE_LEAST 12    // pixels of a shadow
 
 typedef struct Shade {
     int width, height;
@@ -62,12 +41,12 @@ static void mark_dark(Shade *s, const FfpView *view, const FfpEmptyStage *stage,
                       const FfpCompared *compared) {
     FfpImage images[4] = {view->images[capture->white], view->images[capture->black],
                           stage->images[capture->white], stage->images[capture->black]};
-    for (int k = 0; k < 4; k++) images[k] = ffp_local_mean(&images[k], SMOOTH);
+    for (int k = 0; k < 4; k++) images[k] = ffp_local_mean(&images[k], SHADE_SMOOTH);
     for (ptrdiff_t i = 0; i < (ptrdiff_t)s->width * s->height; i++) {
         const double here = sum_of(&images[0], i) - sum_of(&images[1], i),
                      there = sum_of(&images[2], i) - sum_of(&images[3], i);
         const bool sure = compared->kinds[i] == FFP_PIXEL_STAGE || compared->kinds[i] == FFP_PIXEL_DIM_STAGE;
-        s->dark[i] = !sure && there > 3 * LIT * compared->noise && here < DARK * there;
+        s->dark[i] = !sure && there > 3 * LIT_NOISE * compared->noise && here < SHADE_DARK * there;
     }
     for (int k = 0; k < 4; k++) ffp_image_free(&images[k]);
 }
@@ -75,7 +54,7 @@ static void mark_dark(Shade *s, const FfpView *view, const FfpEmptyStage *stage,
 // Chromaticity under black: above 0 where the stage's fits better than the object's; 0 where black is too
 // dark to say.
 static double stage_colour(const Shade *s, ptrdiff_t pixel) {
-    const double least = 3 * COLOUR_LEAST * s->noise;
+    const double least = 3 * SHADE_COLOUR_LEAST * s->noise;
     if (sum_of(&s->stage_black, pixel) < least || !(s->object_black.data[4 * pixel + 3] > 0)) return 0;
     return colour_off(&s->black, &s->object_black, pixel) - colour_off(&s->black, &s->stage_black, pixel);
 }
@@ -84,7 +63,7 @@ static void drop_specks(const unsigned char *keep, unsigned char *marks, int wid
     FfpImage pieces = ffp_image_new(width, height, 1);
     const ptrdiff_t pixels = (ptrdiff_t)width * height;
     for (ptrdiff_t i = 0; i < pixels; i++) pieces.data[i] = keep[i] || marks[i];
-    ffp_mask_drop_specks(&pieces, PIECE_LEAST);
+    ffp_mask_drop_specks(&pieces, SHADE_PIECE_LEAST);
     for (ptrdiff_t i = 0; i < pixels; i++) marks[i] = marks[i] && pieces.data[i] > 0;
     ffp_image_free(&pieces);
 }
@@ -95,8 +74,8 @@ static double umbra_of(const Shade *s, const unsigned char *around) {
     double *levels = ffp_alloc((size_t)pixels + 1, sizeof *levels);
     size_t n = 0;
     for (ptrdiff_t i = 0; i < pixels; i++)
-        if (around[i] && s->dark[i] && darkness(s, i) < UMBRA_MOST) levels[n++] = darkness(s, i);
-    const double out = n >= UMBRA_LEAST ? ffp_median(levels, n) : 0;
+        if (around[i] && s->dark[i] && darkness(s, i) < SHADE_UMBRA_MOST) levels[n++] = darkness(s, i);
+    const double out = n >= SHADE_UMBRA_LEAST ? ffp_median(levels, n) : 0;
     ffp_free(levels);
     return out;
 }
@@ -105,7 +84,7 @@ static double umbra_of(const Shade *s, const unsigned char *around) {
 static void find_bounced(Shade *s, const unsigned char *around) {
     double pattern[3] = {0}, white[3] = {0};
     for (ptrdiff_t i = 0; i < (ptrdiff_t)s->width * s->height; i++) {
-        if (!around[i] || !s->dark[i] || darkness(s, i) >= UMBRA_MOST) continue;
+        if (!around[i] || !s->dark[i] || darkness(s, i) >= SHADE_UMBRA_MOST) continue;
         for (int c = 0; c < 3 && s->pattern_added.data; c++) {
             pattern[c] += (double)s->pattern_added.data[4 * i + c];
             white[c] += (double)s->white_added.data[4 * i + c];
@@ -122,10 +101,10 @@ static bool is_direct(const Shade *s, ptrdiff_t pixel) {
     for (int c = 0; c < 3; c++) {
         const double white = (double)s->white_added.data[4 * pixel + c], share = s->bounced[c],
                      off = (double)s->pattern_added.data[4 * pixel + c] - share * white;
-        const double noise = DIRECT_NOISE * s->noise, light = DIRECT_OFF * white;
+        const double noise = SHADE_DIRECT_NOISE * s->noise, light = SHADE_DIRECT_OFF * white;
         sum += off * off / (noise * noise * (1 + share * share) + light * light);
     }
-    return sum > 3 * DIRECT;
+    return sum > 3 * SHADE_DIRECT;
 }
 
 // Whether a pixel has the stage's light under black, which shadows of the projector keep. Less than most of
@@ -133,15 +112,17 @@ static bool is_direct(const Shade *s, ptrdiff_t pixel) {
 static bool keeps_black(const Shade *s, ptrdiff_t pixel, double colour) {
     const double here = sum_of(&s->black, pixel), there = sum_of(&s->stage_black, pixel);
     if (there <= 3 * s->noise) return true;
-    if (here > KEPT_MOST * there) return false;
-    if (here < KEPT_EVER * there) return false;
-    return here >= KEPT_LEAST * there || (here > BLACK_SURE * s->noise && colour > COLOUR_SURE);
+    if (here > SHADE_KEPT_MOST * there) return false;
+    if (here < SHADE_KEPT_EVER * there) return false;
+    return here >= SHADE_KEPT_LEAST * there ||
+           (here > SHADE_BLACK_SURE * s->noise && colour > SHADE_COLOUR_SURE);
 }
 
 static bool is_shade(const Shade *s, ptrdiff_t pixel, double umbra) {
     const double colour = stage_colour(s, pixel);
-    return darkness(s, pixel) < (colour == 0 ? NO_COLOUR : DARKNESS) * umbra &&
-           (colour == 0 || colour > COLOUR_OFF) && keeps_black(s, pixel, colour) && !is_direct(s, pixel);
+    return darkness(s, pixel) < (colour == 0 ? SHADE_NO_COLOUR : SHADE_DARKNESS) * umbra &&
+           (colour == 0 || colour > SHADE_COLOUR_OFF) && keeps_black(s, pixel, colour) &&
+           !is_direct(s, pixel);
 }
 
 static unsigned char *mark_shade(Shade *s, const unsigned char *mask, const unsigned char *around) {
@@ -170,7 +151,7 @@ static unsigned char *inside(const FfpCompared *compared, int width, int height)
 static FfpImage mean_added(const FfpImage *picture, const FfpImage *black, const unsigned char *dark) {
     FfpImage added = ffp_image_copy(picture);
     for (ptrdiff_t i = 0; i < (ptrdiff_t)3 * added.width * added.height; i++) added.data[i] -= black->data[i];
-    FfpImage out = ffp_local_mean_where(&added, dark, DIRECT_SMOOTH);
+    FfpImage out = ffp_local_mean_where(&added, dark, SHADE_DIRECT_SMOOTH);
     ffp_image_free(&added);
     return out;
 }
@@ -180,11 +161,11 @@ static void take_means(Shade *s, const FfpCapture *capture, const FfpView *view,
     const FfpImage *black = &view->images[capture->black], *white = &view->images[capture->white];
     const int active = ffp_capture_active_pattern(capture, NULL, NULL);
     unsigned char *object = inside(compared, s->width, s->height);
-    s->black = ffp_local_mean_where(black, s->dark, COLOUR_SMOOTH);
-    s->stage_black = ffp_local_mean_where(&stage->images[capture->black], s->dark, COLOUR_SMOOTH);
-    s->object_black = ffp_local_mean_where(black, object, OBJECT_SMOOTH);
-    s->white = ffp_local_mean_where(white, s->dark, SMOOTH);
-    s->stage_white = ffp_local_mean_where(&stage->images[capture->white], s->dark, SMOOTH);
+    s->black = ffp_local_mean_where(black, s->dark, SHADE_COLOUR_SMOOTH);
+    s->stage_black = ffp_local_mean_where(&stage->images[capture->black], s->dark, SHADE_COLOUR_SMOOTH);
+    s->object_black = ffp_local_mean_where(black, object, SHADE_OBJECT_SMOOTH);
+    s->white = ffp_local_mean_where(white, s->dark, SHADE_SMOOTH);
+    s->stage_white = ffp_local_mean_where(&stage->images[capture->white], s->dark, SHADE_SMOOTH);
     s->white_added = mean_added(white, black, s->dark);
     if (active >= 0) s->pattern_added = mean_added(&view->images[active], black, s->dark);
     ffp_free(object);

@@ -1,16 +1,8 @@
 #include <tgmath.h>
 #include "core/base/alloc.h"
+#include "rig/masks/limits.h"
 #include "rig/masks/local_mean.h"
 #include "rig/masks/masks.h"
-
-#define BAND 2        // pixels on either side of an outline
-#define SIGMA 1.5     // pixels over which object and stage are averaged
-#define RELATIVE 0.05 // of the light: texture and noise
-#define UNEVEN 0.3    // of the light: what differs from place to place
-#define CONTRAST 8    // standard deviations between object and stage that make shares sure
-#define INSIDE 0.3    // share that pixels have at least that are not at the outline itself
-#define SHARE_LEAST 0.06
-#define BRIGHTEST 1.3 // of the stage near the object over the empty one
 
 typedef struct Sample {          // of one picture at a pixel
     bool known;                  // whether there is object as well as background nearby
@@ -19,7 +11,7 @@ typedef struct Sample {          // of one picture at a pixel
 
 typedef struct Edge {
     int n;
-    size_t count;      // pixels within BAND of an outline, where the stage is known
+    size_t count;      // pixels within EDGE_BAND of an outline, where the stage is known
     ptrdiff_t *pixels; // [count]
     bool *deep;        // [count] object, but not at the outline itself
     Sample **samples;  // [n][count] of each pattern; NULL where view or stage lack its picture
@@ -38,9 +30,9 @@ static unsigned char *marks_of(const FfpImage *mask, bool of_object, int shrink)
 static Sample *sample(const Edge *e, const FfpImage *picture, const FfpImage *stage,
                       const unsigned char *inner, const unsigned char *outer) {
     Sample *out = ffp_alloc(e->count + 1, sizeof *out);
-    FfpImage object = ffp_local_mean_where(picture, inner, SIGMA),
-             around = ffp_local_mean_where(picture, outer, SIGMA),
-             then = ffp_local_mean_where(stage, outer, SIGMA);
+    FfpImage object = ffp_local_mean_where(picture, inner, EDGE_SIGMA),
+             around = ffp_local_mean_where(picture, outer, EDGE_SIGMA),
+             then = ffp_local_mean_where(stage, outer, EDGE_SIGMA);
     for (size_t k = 0; k < e->count; k++) {
         const ptrdiff_t i = e->pixels[k];
         out[k].known = object.data[4 * i + 3] > 1e-4F && around.data[4 * i + 3] > 1e-4F;
@@ -48,7 +40,7 @@ static Sample *sample(const Edge *e, const FfpImage *picture, const FfpImage *st
             const double before = (double)then.data[4 * i + c], now = (double)around.data[4 * i + c];
             out[k].object[c] = (double)object.data[4 * i + c];
             out[k].behind[c] =
-                (double)stage->data[3 * i + c] * fmin(fmax(now / fmax(before, 1e-4), 0), BRIGHTEST);
+                (double)stage->data[3 * i + c] * fmin(fmax(now / fmax(before, 1e-4), 0), EDGE_BRIGHTEST);
         }
     }
     ffp_image_free(&object), ffp_image_free(&around), ffp_image_free(&then);
@@ -75,7 +67,7 @@ static void find_pixels(Edge *e, const FfpImage *mask, const FfpEmptyStage *stag
 
 static Edge edge_of(const FfpCapture *capture, const FfpView *view, const FfpEmptyStage *stage) {
     const FfpImage *mask = &view->coverage;
-    unsigned char *inner = marks_of(mask, true, BAND), *outer = marks_of(mask, false, BAND);
+    unsigned char *inner = marks_of(mask, true, EDGE_BAND), *outer = marks_of(mask, false, EDGE_BAND);
     Edge e = {.n = capture->n_patterns};
     find_pixels(&e, mask, stage, inner, outer);
     e.samples = ffp_alloc((size_t)e.n, sizeof *e.samples);
@@ -102,13 +94,13 @@ static double share_of(const Edge *e, const FfpView *view, double noise, size_t 
         const double object = at->object[i % 3], back = at->behind[i % 3];
         const double here = (double)view->images[i / 3].data[3 * e->pixels[k] + i % 3],
                      most = fmax(object, back);
-        const double s = noise * noise + pow(UNEVEN * most, 2);
+        const double s = noise * noise + pow(EDGE_UNEVEN * most, 2);
         across += (here - back) * (object - back) / s, square += pow(object - back, 2) / s;
-        contrast += pow(object - back, 2) / (noise * noise + pow(RELATIVE * most, 2));
+        contrast += pow(object - back, 2) / (noise * noise + pow(EDGE_RELATIVE * most, 2));
     }
-    *sure = fmin(fmax(sqrt(contrast) / CONTRAST - 0.5, 0), 1);
+    *sure = fmin(fmax(sqrt(contrast) / EDGE_CONTRAST - 0.5, 0), 1);
     const double share = square > 0 ? fmin(fmax(across / square, 0), 1) : 0;
-    return e->deep[k] ? fmax(share, INSIDE) : share;
+    return e->deep[k] ? fmax(share, EDGE_INSIDE) : share;
 }
 
 // Takes the stage's share out of a picture: what is left is the object's own light, within what it has
@@ -132,7 +124,7 @@ static void set_shares(const Edge *e, FfpView *view, double noise) {
         double sure;
         const double share = share_of(e, view, noise, k, &sure),
                      mixed = sure * share + (1 - sure) * (double)*at;
-        *at = (real)(mixed < SHARE_LEAST ? 0 : mixed > 1 - SHARE_LEAST ? 1 : mixed);
+        *at = (real)(mixed < EDGE_SHARE_LEAST ? 0 : mixed > 1 - EDGE_SHARE_LEAST ? 1 : mixed);
     }
 }
 

@@ -2,21 +2,8 @@
 #include "core/base/arena.h"
 #include "core/numerics/rank.h"
 #include "rig/masks/layers.h"
+#include "rig/masks/limits.h"
 #include "rig/masks/masks.h"
-
-#define NOISE_MOST 0.1  // of what pictures can hold: more is another room
-#define LIT 10          // times the noise that white adds
-#define SAME 2.0        // mean squared error of what is alike, and
-#define OTHER 6.0       // of what is not
-#define FULL_LEAST 0.8  // factors of what has all of the stage's light
-#define FULL_MOST 1.25  //
-#define CONTINUES 0.2   // of the light, by which a look may differ from the stage around
-#define INDIRECT 0.1    // of what white adds where the stage is well lit: less comes from other surfaces
-#define DIMMED 0.3      // factor of that light which an object leaves at least
-#define SHADOW_MOST 0.3 // factor of the stage's light that is left in a shadow
-#define ROOM_LEAST 0.5  // and of the room's light
-#define GAIN_MOST 1.5   // either way
-#define STAGE_LEAST 0.1 // of the pixels
 
 typedef struct Comparison {
     const FfpLayers *view, *stage;
@@ -36,11 +23,12 @@ static double find_gain(const Comparison *c) {
     size_t n = 0;
     for (ptrdiff_t i = 0; i < pixels; i++) {
         const double there = grey(&c->stage->of[1], i), here = grey(&c->view->of[1], i);
-        if (there > LIT * c->noise && here > 0.5 * there && here < 2 * there) ratios[n++] = here / there;
+        if (there > LIT_NOISE * c->noise && here > 0.5 * there && here < 2 * there)
+            ratios[n++] = here / there;
     }
     const double gain = n > 0 ? ffp_median(ratios, n) : 1;
     ffp_free(ratios);
-    return fmin(fmax(gain, 1 / GAIN_MOST), GAIN_MOST);
+    return fmin(fmax(gain, 1 / STAGE_GAIN_MOST), STAGE_GAIN_MOST);
 }
 
 static double bright_of(const FfpLayers *stage) {
@@ -87,7 +75,7 @@ static double explain(const Values *v, int n, double noise, double *error) {
         const double s = ffp_layers_variance(noise, fmax(v->view[i], v->stage[i]), v->spread[i]);
         across += v->view[i] * v->stage[i] / s, square += v->stage[i] * v->stage[i] / s;
     }
-    const double a = square > 0 ? fmin(fmax(across / square, 0), FULL_MOST) : 0;
+    const double a = square > 0 ? fmin(fmax(across / square, 0), STAGE_FULL_MOST) : 0;
     for (int i = 3; i < n; i++) {
         const double off = v->view[i] - a * v->stage[i];
         sum += off * off / ffp_layers_variance(noise, fmax(v->view[i], a * v->stage[i]), a * v->spread[i]);
@@ -101,7 +89,8 @@ static double explain(const Values *v, int n, double noise, double *error) {
 static bool may_be_shadow(const Values *v, double noise) {
     double error, here = 0, there = 0;
     for (int i = 0; i < 3; i++) here += v->view[i], there += v->stage[i];
-    return here > ROOM_LEAST * there && explain(v, 6, noise, &error) < SHADOW_MOST && error < SAME;
+    return here > STAGE_ROOM_LEAST * there && explain(v, 6, noise, &error) < STAGE_SHADOW_MOST &&
+           error < ALIKE;
 }
 
 // How the pictures themselves differ, whatever lit them.
@@ -122,7 +111,7 @@ static bool is_alike_under_black(const Values *v, double noise) {
         const double off = v->view[i] - v->stage[i];
         sum += off * off / ffp_layers_variance(noise, v->stage[i], v->spread[i]);
     }
-    return sum < 3 * SAME;
+    return sum < 3 * ALIKE;
 }
 
 // Whether what white adds is as on the stage around, where the stage itself is not known.
@@ -130,28 +119,28 @@ static bool continues(const Comparison *c, ptrdiff_t pixel) {
     for (int i = 0; i < 3; i++) {
         const double here = (double)c->view->of[1].data[3 * pixel + i],
                      there = c->gain * (double)c->stage->of[1].data[3 * pixel + i];
-        if (fabs(here - there) > c->noise + CONTINUES * fmax(here, there)) return false;
+        if (fabs(here - there) > c->noise + STAGE_CONTINUES * fmax(here, there)) return false;
     }
     return true;
 }
 
 static FfpPixelKind kind_of(const Comparison *c, int x, int y) {
     const ptrdiff_t at = (ptrdiff_t)y * c->view->width + x;
-    const bool lit = grey(&c->view->of[1], at) > LIT * c->noise;
+    const bool lit = grey(&c->view->of[1], at) > LIT_NOISE * c->noise;
     if (c->known->data && c->known->data[at] < 0 && lit) return FFP_PIXEL_OBJECT;
     if (c->known->data && !(c->known->data[at] > 0))
         return lit && !continues(c, at) ? FFP_PIXEL_LIT : FFP_PIXEL_UNKNOWN;
-    const bool stage_lit = grey(&c->stage->of[1], at) > LIT * c->noise;
+    const bool stage_lit = grey(&c->stage->of[1], at) > LIT_NOISE * c->noise;
     Values v = {0};
     double error;
     take_values(c, x, y, &v);
     const double a = explain(&v, v.n, c->noise, &error);
-    if (stage_lit && a > FULL_LEAST && error < SAME) return FFP_PIXEL_STAGE;
-    if (lit && error > OTHER && !may_be_shadow(&v, c->noise)) return FFP_PIXEL_OBJECT;
-    if (grey(&c->stage->of[1], at) < INDIRECT * c->bright && a > DIMMED && error < SAME &&
+    if (stage_lit && a > STAGE_FULL_LEAST && error < ALIKE) return FFP_PIXEL_STAGE;
+    if (lit && error > STAGE_OTHER && !may_be_shadow(&v, c->noise)) return FFP_PIXEL_OBJECT;
+    if (grey(&c->stage->of[1], at) < STAGE_INDIRECT * c->bright && a > STAGE_DIMMED && error < ALIKE &&
         is_alike_under_black(&v, c->noise))
         return FFP_PIXEL_DIM_STAGE;
-    return difference_of(&v, c->noise) < SAME ? FFP_PIXEL_DIM_STAGE : FFP_PIXEL_UNKNOWN;
+    return difference_of(&v, c->noise) < ALIKE ? FFP_PIXEL_DIM_STAGE : FFP_PIXEL_UNKNOWN;
 }
 
 static void compare_pixels(FfpCompared *out, const Comparison *c, const FfpView *view) {
@@ -176,14 +165,14 @@ bool ffp_stage_compare(FfpCompared *compared, const FfpCapture *capture, int vie
     Comparison c = {mine, theirs, &stage->known, ffp_layers_noise(mine, theirs), 1, bright_of(theirs)};
     c.gain = find_gain(&c);
     *compared = (FfpCompared){.noise = c.noise, .gain = c.gain};
-    if (c.noise <= NOISE_MOST) compare_pixels(compared, &c, of);
+    if (c.noise <= STAGE_NOISE_MOST) compare_pixels(compared, &c, of);
     ffp_layers_free(mine), ffp_layers_free(theirs);
-    if (c.noise > NOISE_MOST)
+    if (c.noise > STAGE_NOISE_MOST)
         return ffp_fail(err, FFP_ERROR_FILE, where,
                         "under black this view differs from the empty stage by %.2f of full scale: was the "
                         "room's light or the exposure changed?",
                         c.noise);
-    if (compared->stage >= STAGE_LEAST) return true;
+    if (compared->stage >= STAGE_SEEN_LEAST) return true;
     ffp_free(compared->kinds);
     compared->kinds = NULL;
     return ffp_fail(err, FFP_ERROR_FILE, where,

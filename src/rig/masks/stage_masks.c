@@ -3,11 +3,9 @@
 #include "core/base/call.h"
 #include "rig/checks/chord.h"
 #include "rig/masks/carve.h"
+#include "rig/masks/limits.h"
 #include "rig/masks/masks.h"
 #include "rig/masks/shade.h"
-
-#define VIEWS_LEAST 3   // that carve
-#define RUN_LEAST 0.045 // of the sphere's radius that a ray must run through the hull
 
 typedef struct Work {
     FfpCapture *capture;
@@ -74,7 +72,7 @@ static void fill_by_hull(Work *w) {
         for (size_t i = 0; i < pixels_of(view); i++) {
             const bool object = w->compared[v].kinds[i] == FFP_PIXEL_OBJECT;
             view->coverage.data[i] =
-                object || (may_be_object(w, v, i) && ffp_hull_length(&hull, v, i) > RUN_LEAST);
+                object || (may_be_object(w, v, i) && ffp_hull_length(&hull, v, i) > HULL_RUN_LEAST);
         }
         ffp_mask_fill_specks(&view->coverage);
         ffp_mask_drop_pieces(&view->coverage);
@@ -132,7 +130,7 @@ static bool run(Work *w, bool posed, const char *const *paths, FfpError *err) {
     if (!shows_object(w))
         return ffp_fail(err, FFP_ERROR_FILE, paths[0],
                         "no view shows anything that the empty stage does not: is the object missing?");
-    const bool hull = posed && capture->n_views >= VIEWS_LEAST && ffp_hull_bounds(capture, w->compared);
+    const bool hull = posed && capture->n_views >= HULL_VIEWS_LEAST && ffp_hull_bounds(capture, w->compared);
     if (hull) complete(w);
     for (int v = 0; v < capture->n_views; v++)
         if (!hull) ffp_mask_fill_holes(&capture->views[v].coverage);

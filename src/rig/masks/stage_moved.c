@@ -1,12 +1,7 @@
 #include <tgmath.h>
 #include "core/base/alloc.h"
+#include "rig/masks/limits.h"
 #include "rig/masks/masks.h"
-
-#define WIDTH 160     // pixels, about, at which pictures are compared
-#define REACH 0.06    // of the width: the largest displacement
-#define OFF_MOST 0.25 // of what a pixel counts
-#define DARK 0.02     // of the mean light: less says nothing
-#define CLEARLY 0.8   // of the difference without a displacement
 
 typedef struct Small {
     int width, height;
@@ -30,22 +25,22 @@ static Small reduce(const FfpImage *black, const FfpImage *white, int step) {
     return out;
 }
 
-// How much the view differs from the stage moved by (dx, dy), from 0 to OFF_MOST.
+// How much the view differs from the stage moved by (dx, dy), from 0 to MOVED_OFF_MOST.
 static double difference(const Small *view, const Small *stage, int dx, int dy) {
-    const double gain = view->mean / stage->mean, dark = DARK * view->mean;
+    const double gain = view->mean / stage->mean, dark = MOVED_DARK * view->mean;
     double sum = 0, count = 0;
     for (int y = fmax(0, dy); y < view->height + fmin(0, dy); y++)
         for (int x = fmax(0, dx); x < view->width + fmin(0, dx); x++) {
             const double here = view->of[(ptrdiff_t)y * view->width + x],
                          there = gain * stage->of[(ptrdiff_t)(y - dy) * view->width + x - dx];
             if (here + there < 2 * dark) continue;
-            sum += fmin(fabs(here - there) / (here + there), OFF_MOST), count++;
+            sum += fmin(fabs(here - there) / (here + there), MOVED_OFF_MOST), count++;
         }
-    return count > 0 ? sum / count : OFF_MOST;
+    return count > 0 ? sum / count : MOVED_OFF_MOST;
 }
 
 static void search(int moved[2], const Small *view, const Small *stage) {
-    const int reach = (int)ceil(REACH * view->width), side = 2 * reach + 1;
+    const int reach = (int)ceil(MOVED_REACH * view->width), side = 2 * reach + 1;
     double *differences = ffp_alloc((size_t)side * (size_t)side, sizeof *differences);
 #pragma omp parallel for schedule(dynamic)
     for (int i = 0; i < side * side; i++)
@@ -54,7 +49,7 @@ static void search(int moved[2], const Small *view, const Small *stage) {
     const double without = differences[best];
     for (int i = 0; i < side * side; i++)
         if (differences[i] < differences[best]) best = i;
-    const bool clearly = differences[best] < CLEARLY * without;
+    const bool clearly = differences[best] < MOVED_CLEARLY * without;
     moved[0] = clearly ? best % side - reach : 0;
     moved[1] = clearly ? best / side - reach : 0;
     ffp_free(differences);
@@ -62,7 +57,7 @@ static void search(int moved[2], const Small *view, const Small *stage) {
 
 void ffp_stage_moved(int moved[2], const FfpImage *black, const FfpImage *white, const FfpImage *stage_black,
                      const FfpImage *stage_white) {
-    const int step = (int)fmax(1, round(white->width / (double)WIDTH));
+    const int step = (int)fmax(1, round(white->width / (double)MOVED_WIDTH));
     Small view = reduce(black, white, step), stage = reduce(stage_black, stage_white, step);
     moved[0] = moved[1] = 0;
     if (view.mean > 0 && stage.mean > 0 && view.width > 0 && view.height > 0) search(moved, &view, &stage);

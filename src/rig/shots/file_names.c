@@ -181,13 +181,14 @@ static void free_glob(void *found) {
 }
 
 // The paths that match, with only * as a wildcard or, if that finds none, ? and [...] as well.
-static bool find_files(glob_t *found, const FfpFileSet *set, const Blanks *blanks, FfpError *err) {
+static bool find_files(glob_t *found, const FfpFileSet *set, const Blanks *blanks, const char *filled,
+                       FfpError *err) {
     char path[FFP_PATH_MAX];
     if (!fill(set->template, blanks, only_stars, path, err)) return false;
     if (glob(path, GLOB_NOSORT, NULL, found) == 0) return true;
     return fill(set->template, blanks, all_wildcards, path, err) &&
            (glob(path, GLOB_NOSORT, NULL, found) == 0 ||
-            ffp_fail(err, FFP_ERROR_FILE, set->template,
+            ffp_fail(err, FFP_ERROR_FILE, filled,
                      "no file matches (.JPG is not .jpg), or the folder cannot be read"));
 }
 
@@ -217,7 +218,7 @@ static bool match(const char **paths, FfpArena *arena, const FfpFileSet *set, co
                         "* cannot be combined with parts of films (@): name the films with {view}, {index} "
                         "or {number}");
     }
-    if (!find_files(found, set, blanks, err)) {
+    if (!find_files(found, set, blanks, part->path, err)) {
         ffp_free(found);
         return false;
     }

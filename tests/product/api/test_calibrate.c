@@ -260,7 +260,7 @@ static const Fault faults[] = {
     {"cp ../twelve_1.png " SHOT(1) " && cp ../twelve_2.png " SHOT(2),
      0,
      0,
-     {"'shot_2.png' is above 0.0", "as of 12 bits in files of 16"}},
+     {"no value of 'shot_2.png'", "as of 12 bits in files of 16"}},
     // Numbers.
     {SWAP(11, 12), 0, 0, {"shot_11.png and shot_12.png", "swapped, a code and its inverse"}},
     {SWAP(27, 29) " && " SWAP(28, 30), 0, 0, {"pairs of shot_27.png and shot_29.png", "swapped"}},
