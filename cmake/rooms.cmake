@@ -9,7 +9,7 @@ ffp_room(base CALLS LIBS ${CMAKE_DL_LIBS} READERS base64 file kind text)
 ffp_room(numerics DEPS base LIBS PkgConfig::OPENBLAS)
 # float images, PNG, JPEG, TIFF, EXR, raw photographs and films (by other programs), sRGB, resizing, pattern lookup
 ffp_room(image NUMERIC DEPS base LIBS PkgConfig::PNG PkgConfig::JPEG PkgConfig::OPENEXR PkgConfig::ZLIB
-         READERS exr foreign jpeg orientation photograph png profile profile_find raw read stream tiff)
+         READERS exr foreign jpeg orientation photograph png profile profile_find raw read stream tiff webp)
 # kernels on plain arrays: products, norms, attention, state-space scan, Adam; safetensors
 ffp_room(tensor NUMERIC PRODUCTS DEPS base LIBS PkgConfig::OPENBLAS PkgConfig::JANSSON READERS safetensors)
 # the Gaussian set and its PLY; splats of other programs

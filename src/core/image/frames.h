@@ -7,12 +7,12 @@
 
 typedef struct FfpFrames {
     FfpProcess *process;
+    struct FfpWebp *webp; // an animated WebP, which no process reads
     const char *path;
     int width, height; // of all frames, once there is one
     int channels;      // 3, or 4 with straight alpha
     unsigned char *bytes;
     int count;    // that came so far
-    bool webp;    // which ffmpeg may read only where nothing moves
     int expected; // by what the file says of its length; 0: it does not
 } FfpFrames;
 

@@ -11,6 +11,7 @@
 #include "core/image/codec.h"
 #include "core/image/frames.h"
 #include "core/image/stream.h"
+#include "core/image/webp.h"
 
 #define RAW_BYTES_MAX ((size_t)1 << 30)
 enum { HEAD = 32, PNG_HEAD = 65536, SAMPLE_MAX = 65535 };
@@ -418,9 +419,13 @@ bool ffp_frames_open(FfpFrames *frames, const char *path, int rate, FfpError *er
     source.rate = rate;
     source.alpha = true;
     if (source.kind != FFP_FOREIGN_FILM) return ffp_fail(err, FFP_ERROR_FILE, path, "is not a film");
+    if (ffp_webp_moves(source.file)) {
+        const double to = !source.part ? INFINITY : source.to < source.from ? source.from + 1e-3 : source.to;
+        frames->webp = ffp_webp_open(source.file, path, rate, source.from, to, err);
+        return frames->webp != NULL;
+    }
     ffp_stream_note(&source.stream, path, false);
     frames->channels = source.stream.alpha ? 4 : 3;
-    frames->webp = strcmp(source.stream.codec, "webp") == 0;
     const double left = source.stream.seconds - source.from,
                  seconds = source.part && source.to - source.from < left ? source.to - source.from : left;
     frames->expected = seconds > 0 && seconds * rate < 1e9 ? (int)(seconds * rate + 0.5) : 0;
@@ -432,14 +437,6 @@ static int end_of_frames(FfpFrames *frames, bool more, FfpError *err) {
     char said[FFP_PROCESS_SAID];
     const bool ended = ffp_process_finish(&frames->process, said);
     if (!more && ended && frames->count > 0) return 0;
-    if (frames->webp && frames->count == 0) {
-        ffp_fail(err, FFP_ERROR_UNSUPPORTED, frames->path,
-                 "is an animated WebP, which this ffmpeg does not read: make an animated PNG of it, for "
-                 "example by "
-                 "python3 -c \"import PIL.Image as I; I.open('FILE.webp').save('FILE.png', save_all=True)\" "
-                 "(Debian: python3-pil)");
-        return -1;
-    }
     ffp_fail(err, FFP_ERROR_FILE, frames->path, "ffmpeg could not read all of the film%s%s",
              *said ? ": " : "", said);
     return -1;
@@ -449,6 +446,13 @@ int ffp_frames_next(FfpFrames *frames, FfpRaw *out, FfpError *err) {
     int width, height;
     bool more;
     ffp_cancel_point();
+    if (frames->webp) {
+        const int status = ffp_webp_next(frames->webp, out, err);
+        frames->count += status > 0;
+        if (status != 0 || frames->count > 0) return status;
+        ffp_fail(err, FFP_ERROR_FILE, frames->path, "has no pictures in this part: the film may be shorter");
+        return -1;
+    }
     if (!(frames->channels == 4 ? read_alpha_header(frames->process, &width, &height, &more)
                                 : read_header(frames->process, UCHAR_MAX, &width, &height, &more)))
         return end_of_frames(frames, more, err);
@@ -475,6 +479,8 @@ int ffp_frames_next(FfpFrames *frames, FfpRaw *out, FfpError *err) {
 }
 
 void ffp_frames_close(FfpFrames *frames) {
+    ffp_webp_close(frames->webp);
+    frames->webp = NULL;
     ffp_process_kill(&frames->process);
     ffp_free(frames->bytes);
     frames->bytes = NULL;

@@ -130,6 +130,60 @@ static void films_of_many_kinds(void **state) {
     }
 }
 
+// Red for 200 ms, then green for 600: each picture as long as it shows, and a part of them.
+static void pictures_of_webp_show_as_long_as_they_say(void **state) {
+    (void)state;
+    static const struct {
+        const char *part;
+        int rate, red, green;
+    } parts[] = {{"", 5, 1, 3}, {"", 0, 1, 1}, {"", 10, 2, 6}, {"@0.3-0.5", 10, 0, 2}, {"@0.1", 5, 1, 0}};
+    char command[1024], name[64];
+    need_ffmpeg();
+    snprintf(
+        command, sizeof command,
+        "ffmpeg -loglevel error -nostdin -y -f lavfi -i color=red:s=16x12:r=5:d=0.2 -f lavfi -i "
+        "color=0x00c800:s=16x12:r=5:d=0.6 -filter_complex \"[0][1]concat,format=bgra\" -c:v libwebp_anim "
+        "-lossless 1 %s/moves.webp",
+        scratch);
+    if (system(command) != 0) fail_msg("%s", command);
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        FfpFrames frames;
+        FfpRaw frame;
+        FfpError err = {0};
+        int seen[2] = {0}, status;
+        snprintf(name, sizeof name, "moves.webp%s", parts[i].part);
+        if (!ffp_frames_open(&frames, in_scratch(name), parts[i].rate, &err)) {
+            if (!strstr(err.text, "libwebp-dev")) fail_msg("%s", err.text);
+            printf("skipped: built without libwebp\n");
+            skip();
+        }
+        while ((status = ffp_frames_next(&frames, &frame, &err)) > 0) {
+            const unsigned char *at = frame.data;
+            assert_true(frame.width == 16 && frame.height == 12 && frame.channels == 4 && at[3] == 255);
+            seen[at[1] > 100]++;
+        }
+        if (status < 0) fail_msg("%s", err.text);
+        if (seen[0] != parts[i].red || seen[1] != parts[i].green)
+            fail_msg("%s at %d: %d and %d", name, parts[i].rate, seen[0], seen[1]);
+        ffp_frames_close(&frames);
+    }
+}
+
+static void damaged_webp_is_refused(void **state) {
+    (void)state;
+    FfpFrames frames;
+    FfpRaw frame;
+    FfpError err = {0};
+    static const unsigned char head[40] = "RIFF\x20\0\0\0WEBPVP8X\x0a\0\0\0\x02\0\0\0\x0f\0\0\x0b\0\0";
+    FILE *file = fopen(in_scratch("damaged.webp"), "wb");
+    fwrite(head, 1, sizeof head, file);
+    fclose(file);
+    const bool open = ffp_frames_open(&frames, in_scratch("damaged.webp"), 5, &err);
+    assert_true(!open || ffp_frames_next(&frames, &frame, &err) < 0);
+    assert_non_null(strstr(err.text, "damaged.webp"));
+    ffp_frames_close(&frames);
+}
+
 // A picture alone is not a film, an animation whose number of frames was not known before is one.
 static void animated_pictures(void **state) {
     (void)state;
@@ -177,8 +231,9 @@ static void films_keep_their_size(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(films_of_many_kinds),
-                                       cmocka_unit_test(animated_pictures),
-                                       cmocka_unit_test(films_keep_their_size)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(films_of_many_kinds), cmocka_unit_test(pictures_of_webp_show_as_long_as_they_say),
+        cmocka_unit_test(damaged_webp_is_refused), cmocka_unit_test(animated_pictures),
+        cmocka_unit_test(films_keep_their_size)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }
