@@ -75,7 +75,8 @@ engine.tell = (data) => {
   if (data.kind === 'log') { note(data.text); return; }
   if (data.kind === 'finding') {
     const finding = JSON.parse(data.finding);
-    if (!isPassed(finding) && !document.querySelector(`#notes [data-code="${finding.code}"]`)) $('notes').append(findingItem(finding));
+    // A fault comes with the error that it is.
+    if (!isPassed(finding) && finding.severity !== 'fault' && !document.querySelector(`#notes [data-code="${finding.code}"]`)) $('notes').append(findingItem(finding));
     return;
   }
   $('stage').textContent = data.stage ? data.stage[0].toUpperCase() + data.stage.slice(1) : 'Working';

@@ -104,6 +104,13 @@ static bool check_seen(const FfpRigFit *fit, const FfpImage *unseen, FfpError *e
     for (int i = 0; i < fit->n; i++)
         if (fit->attitudes[i].n > 0) return true;
     if (!unseen->data) return true; // nor had any of them photographs to look at, which is reported later
+    const size_t pixels = (size_t)unseen->width * (size_t)unseen->height;
+    size_t clipped = 0;
+    for (size_t i = 0; i < pixels; i++) clipped += (double)unseen->data[i] >= FFP_CLIPPED_LUMA;
+    const double share = (double)clipped / (double)pixels;
+    if (share > ffp_rule(FFP_RULE_PLAIN_CLIPPED)->limit)
+        return ffp_fail_by(FFP_RULE_PLAIN_CLIPPED, &(FfpFacts){.a = fit->attitudes[0].name, .figure = share},
+                           "white", err);
     return ffp_board_guess(&fit->board, unseen, guess, err) &&
            ffp_fail(err, FFP_ERROR_FILE, NULL,
                     "no chessboard with %d x %d inner corners in any of %d attitudes%s (count corners where "

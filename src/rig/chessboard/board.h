@@ -11,6 +11,8 @@ typedef struct FfpBoard {
     double square;     // side of a square, the unit of length of all that comes out
 } FfpBoard;
 
+#define FFP_CLIPPED_LUMA 0.99 // of full scale: at the camera's limit
+
 typedef enum FfpCornerState {
     FFP_CORNER_USED,
     FFP_CORNER_DARK,   // too few pixels around it could be decoded

@@ -19,7 +19,8 @@
 #define CORNERS_LEAST 0.3   // share of the board's corners that an attitude must keep
 #define PARALLEL 3          // degrees between the boards farthest from parallel
 #define BENT 0.3            // pixels: a projector alone that fits worse, and
-#define BENT_TIMES 3        // so many times worse than the camera, is bent by its own electronics
+#define BENT_TIMES 3        // so many times worse than the camera, is bent by its own electronics; or
+#define BENT_ALONE 1.5      // so many times worse, where both together fit so many times worse than alone
 #define FOCAL_OPEN 0.1      // share of the focal length by which it may be uncertain
 #define FOCAL_VAGUE 0.02    // and where that is worth a warning
 #define GUESS_FOCAL 1.2     // of the picture's longer side: to see whether boards are parallel
@@ -187,7 +188,7 @@ static bool drop_attitude(const FfpRigFit *fit, const FfpViews *views, const dou
     leave_out(
         a,
         "its corners are %.2f pixels (rms) away from %s, those of others typically %.2f: %sthe board or a "
-        "device moved, or a photograph is out of order",
+        "device moved, its photographs are turned, or one is out of order",
         most, of, middle, a->clipped > ffp_rule(FFP_RULE_BOARD_CLIPPED)->limit ? "it is overexposed, " : "");
     return true;
 }
@@ -272,7 +273,9 @@ static void measure_spread(FfpRigFit *fit) {
 
 bool ffp_projector_bent(const FfpRigFit *fit) {
     const double projector = fit->devices[1].rms, camera = fit->devices[0].rms;
-    return projector > BENT && projector > BENT_TIMES * camera;
+    const double alone = hypot(camera, projector) / sqrt(2);
+    return (projector > BENT && projector > BENT_TIMES * camera) ||
+           (fit->rms > BENT && fit->rms > BENT_ALONE * alone && projector > BENT_ALONE * camera);
 }
 
 static bool check_focal(const FfpRigFit *fit, int which, FfpError *err) {

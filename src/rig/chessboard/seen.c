@@ -9,15 +9,13 @@
 #include "core/capture/node.h"
 #include "rig/chessboard/chessboard.h"
 
-#define CLIPPED 0.99 // of full scale
-
 // Share of the board that is saturated.
 static double clipped_share(const FfpBoard *board, const FfpAttitude *a, const FfpImage *grey) {
     FfpImage region = ffp_board_region(board, a, grey->width, grey->height);
     size_t inside = 0, clipped = 0;
     for (size_t i = 0; i < (size_t)grey->width * (size_t)grey->height; i++) {
         inside += region.data[i] > 0;
-        clipped += region.data[i] > 0 && (double)grey->data[i] >= CLIPPED;
+        clipped += region.data[i] > 0 && (double)grey->data[i] >= FFP_CLIPPED_LUMA;
     }
     ffp_image_free(&region);
     return inside > 0 ? (double)clipped / (double)inside : 0;

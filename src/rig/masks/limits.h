@@ -1,5 +1,5 @@
-// What masks are judged by: every threshold of this room, in one table. What is not here is a size of working
-// memory or of a drawing.
+// What masks are judged by: every threshold of this room, in one table. Sizes of working memory and of
+// drawings stay in their files.
 #ifndef FFP_MASKS_LIMITS_H
 #define FFP_MASKS_LIMITS_H
 

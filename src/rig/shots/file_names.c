@@ -52,7 +52,7 @@ static long last_number(const char *path, int *digits) {
 
 void ffp_unwrap_numbers(const char **paths, int n) {
     int gaps = 0, gap = 0, digits;
-    long before = -1, most = 1;
+    long before = -1, after = 1000;
     if (n < 3 || last_number(paths[0], &digits) > 1) return;
     for (int i = 0; i < n; i++) {
         const long number = last_number(paths[i], &digits);
@@ -60,8 +60,8 @@ void ffp_unwrap_numbers(const char **paths, int n) {
         if (i > 0 && number != before + 1) gaps++, gap = i;
         before = number;
     }
-    for (int k = 0; k < digits; k++) most *= 10;
-    if (gaps != 1 || before != most - 1 || digits < 3) return;
+    while (after < before + 1) after *= 10; // cameras count to 9999 in five digits, too
+    if (gaps != 1 || before != after - 1 || digits < 3) return;
     const char **held = ffp_alloc((size_t)n, sizeof *held);
     for (int i = 0; i < n; i++) held[i] = paths[(i + gap) % n];
     memcpy(paths, held, (size_t)n * sizeof *held);
@@ -78,7 +78,6 @@ int ffp_find_twins(const char *const *paths, int n, int *count) {
         if (!dot || !other || dot - paths[i] != other - paths[i + 1] ||
             strncmp(paths[i], paths[i + 1], (size_t)(dot - paths[i])) != 0 || strcasecmp(dot, other) == 0)
             continue;
-        if (!ffp_photograph_is_raw(paths[i]) && !ffp_photograph_is_raw(paths[i + 1])) continue;
         if ((*count)++ == 0) first = i;
     }
     return first;

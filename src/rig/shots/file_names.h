@@ -15,8 +15,8 @@ bool ffp_files_by_view(const char *template);
 // Files in natural order, [n], of a camera whose numbers began again (9999, 0001): the part before that comes
 // first, with a note.
 void ffp_unwrap_numbers(const char **paths, int n);
-// Two of the files in natural order, [n], that differ in their ending alone, if one is a raw photograph: each
-// photograph exists twice. -1: there are none; otherwise the first of the two. *count: of such pairs.
+// Two of the files in natural order, [n], that differ in their ending alone (a raw photograph and its JPEG):
+// each photograph exists twice. -1: there are none; otherwise the first of the two. *count: of such pairs.
 int ffp_find_twins(const char *const *paths, int n, int *count);
 
 // A file of every view under every name.

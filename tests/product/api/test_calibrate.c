@@ -249,6 +249,7 @@ static const Fault faults[] = {
      0,
      {"from 'shot_21.png' on every photograph shows the pattern before its own"}},
     {"for f in bad/*; do : > ${f%.png}.CR2; done", 0, 0, {"34 photographs exist twice", "shot_1.CR2"}},
+    {"for f in bad/*; do cp $f ${f%.png}.jpg; done", 0, 0, {"34 photographs exist twice", "shot_1.jpg"}},
     {"for f in bad/*; do cp ../shots/pose_2/shot_1.png $f; done",
      0,
      0,

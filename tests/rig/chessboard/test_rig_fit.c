@@ -94,9 +94,22 @@ static void a_board_without_rays_has_no_pose(void **state) {
     ffp_attitude_free(&a);
 }
 
+// By the projector alone, or by both together where each alone fits; a rig that moved leaves both as they
+// are.
+static void bent_projectors_are_told(void **state) {
+    (void)state;
+    static const double rms[5][3] = {
+        {0.16, 0.66, 1.5}, {0.16, 0.26, 0.34}, {0.16, 0.16, 0.17}, {0.16, 0.2, 0.9}, {0.05, 0.25, 0.2}};
+    for (int i = 0; i < 5; i++) {
+        const FfpRigFit fit = {.devices = {{.rms = rms[i][0]}, {.rms = rms[i][1]}}, .rms = rms[i][2]};
+        assert_int_equal(ffp_projector_bent(&fit), i < 2);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(however_many_are_out_of_line), cmocka_unit_test(strong_lenses_have_rays),
-        cmocka_unit_test(no_ray_is_told), cmocka_unit_test(a_board_without_rays_has_no_pose)};
+        cmocka_unit_test(no_ray_is_told), cmocka_unit_test(a_board_without_rays_has_no_pose),
+        cmocka_unit_test(bent_projectors_are_told)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
