@@ -35,8 +35,8 @@ typedef struct FfpCompared {
 // that each pattern adds to black in the view and d0 on the stage, a pixel is stage where one factor near 1
 // explains all patterns and channels, d = a d0; a shadow and what it leaves half lit have smaller factors and
 // are unknown. Errors allowed are those of the noise, of a share of the light, and of a pixel's neighbours,
-// since lens and pixel blur edges (limits.h). `where` names the view's pictures in errors: of the stage hardly anything is
-// seen.
+// since lens and pixel blur edges (limits.h). `where` names the view's pictures in errors: of the stage
+// hardly anything is seen.
 bool ffp_stage_compare(FfpCompared *compared, const FfpCapture *capture, int view, const FfpEmptyStage *stage,
                        const char *where, FfpError *err);
 
