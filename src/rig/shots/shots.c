@@ -90,8 +90,8 @@ static const char **find_shown(FfpShots *shots, const char *template, const FfpC
     const FfpShown *shown = &shots->shown;
     const int others = shown->n - shown->n_codes;
     const char **names = ffp_arena_alloc(shots->arena, (size_t)shown->n, sizeof *names),
-               **paths =
-                   ffp_arena_alloc(shots->arena, (size_t)(calibration->n_stops * shown->n), sizeof *paths);
+               **paths = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops * (size_t)shown->n,
+                                         sizeof *paths);
     char order[160] = "";
     if (shown->n_codes > 0)
         snprintf(order, sizeof order, " for all that was shown, or %d without the Gray codes", others);
