@@ -19,7 +19,7 @@ if(FFP_WASM_THREADS) # a worker for each processor beside the engine's own, made
 endif()
 
 set(FFP_WASM_WITH_THREADS "" CACHE PATH "Build folder of the module with threads, which the page gets too")
-set(payload ${PROJECT_SOURCE_DIR}/models/small.safetensors)
+set(payload ${PROJECT_SOURCE_DIR}/models/small.safetensors ${PROJECT_SOURCE_DIR}/models/README.md ${PROJECT_SOURCE_DIR}/LICENSE)
 if(FFP_WASM_WITH_THREADS)
   list(APPEND payload threads.js threads.worker.js threads.wasm)
   list(TRANSFORM payload PREPEND ${FFP_WASM_WITH_THREADS}/ REGEX "^threads")
