@@ -1,5 +1,7 @@
-// What limits a reconstruction: the generator's truth is put in for one part of it at a time, and the
-// pictures are scored again, before and after a polish of what is then there. Prints a table in Markdown.
+// What limits a reconstruction, before and after the fit: the generator's truth is put in for one part of it
+// at a time, into the splats or into the maps drawn from them, and the pictures are scored again; and what a
+// network would have to predict to do without the fit: one attribute at a time as the fit leaves it. Prints a
+// table in Markdown: dB of the first row, gains of the others.
 //   limits [MODEL.safetensors|none] [SCENES] [FIRST]
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,17 +13,24 @@
 #include "ffprocams.h"
 #include "lab/train/train.h"
 
-// Parts that may be true.
+// Parts that may be true: of the splats or, with MAPS, of what is drawn. From FITTED on: attributes as the
+// fit leaves them.
 enum {
     DEPTH = 1,
     NORMAL = 2,
     ALBEDO = 4,
     ROUGHNESS = 8,
-    SILHOUETTE = 16,
-    NO_SHADOWS = 32,
-    OPAQUE = 64,
-    MAPS = 128
+    AMBIENT = 16, // of the maps alone
+    SILHOUETTE = 32,
+    NO_SHADOWS = 64,
+    OPAQUE = 128,
+    MAPS = 256,
+    FITTED = 512
 };
+#define FIT(attribute) ((unsigned)FITTED << FFP_##attribute)
+#define SHAPE (FIT(CENTRE) | FIT(SCALE) | FIT(ROTATION) | FIT(OPACITY))
+#define LOOKS (FIT(ALBEDO) | FIT(ROUGHNESS) | FIT(AMBIENT))
+#define ALL_MAPS (DEPTH | NORMAL | ALBEDO | ROUGHNESS | AMBIENT | MAPS)
 
 static const struct {
     const char *name;
@@ -32,13 +41,25 @@ static const struct {
     {"true normal", NORMAL},
     {"true albedo", ALBEDO},
     {"true roughness", ROUGHNESS},
-    {"true silhouette", SILHOUETTE},
+    {"true depth, normal, albedo, roughness", DEPTH | NORMAL | ALBEDO | ROUGHNESS},
     {"all splats opaque", OPAQUE},
     {"no shadows at all", NO_SHADOWS},
-    {"true depth and normal", DEPTH | NORMAL},
-    {"true depth, normal, albedo, roughness", DEPTH | NORMAL | ALBEDO | ROUGHNESS},
-    {"all of these, true silhouette", DEPTH | NORMAL | ALBEDO | ROUGHNESS | SILHOUETTE},
-    {"true maps instead of splats", DEPTH | NORMAL | ALBEDO | ROUGHNESS | MAPS},
+    {"drawn: true depth", DEPTH | MAPS},
+    {"drawn: true normal", NORMAL | MAPS},
+    {"drawn: true albedo", ALBEDO | MAPS},
+    {"drawn: true roughness", ROUGHNESS | MAPS},
+    {"drawn: true ambient colour", AMBIENT | MAPS},
+    {"drawn: true silhouette", SILHOUETTE},
+    {"drawn: all but the silhouette", ALL_MAPS},
+    {"drawn: all", ALL_MAPS | SILHOUETTE},
+    {"fitted centres", FIT(CENTRE)},
+    {"fitted scales and rotations", FIT(SCALE) | FIT(ROTATION)},
+    {"fitted opacities", FIT(OPACITY)},
+    {"fitted centres, scales, rotations, opacities", SHAPE},
+    {"fitted albedo", FIT(ALBEDO)},
+    {"fitted roughness", FIT(ROUGHNESS)},
+    {"fitted ambient colour", FIT(AMBIENT)},
+    {"fitted albedo, roughness, ambient colour", LOOKS},
 };
 enum { ROWS = sizeof rows / sizeof *rows };
 
@@ -95,23 +116,28 @@ static void put_silhouette(FfpGbuffer *g, const FfpGbuffer *means, const FfpImag
     }
 }
 
-// The generator's maps in place of what was rasterised: what shading, ambient and shadows alone cost.
-static void put_maps(FfpGbuffer *g, const FfpView *view, const FfpImage *black) {
+// The generator's maps in place of some of those drawn, where a pixel's centre shows a surface.
+static void put_maps(FfpGbuffer *g, const FfpView *view, const FfpImage *black, unsigned parts) {
     for (int i = 0; i < g->width * g->height; i++) {
         const int p = pixel_of(g, i, black);
-        const real c = view->depth.data[p] > 0 ? view->coverage.data[p] : 0;
-        g->opacity[i] = c;
-        g->depth[i] = c * view->depth.data[p];
-        g->roughness[i] = c * view->roughness.data[p];
+        const real coverage = view->coverage.data[p];
+        if (!(view->depth.data[p] > 0 && coverage > 0)) continue;
+        if (parts & SILHOUETTE) g->opacity[i] = coverage;
+        const real o = g->opacity[i];
+        if (parts & DEPTH) g->depth[i] = o * view->depth.data[p];
+        if (parts & ROUGHNESS) g->roughness[i] = o * view->roughness.data[p];
         for (int k = 0; k < 3; k++) {
-            g->normal[3 * i + k] = c * view->normal.data[3 * p + k];
-            g->albedo[3 * i + k] = c * view->albedo.data[3 * p + k];
-            if (c > 0)
-                g->ambient[3 * i + k] = c * ffp_srgb_decode(ffp_srgb_encode(black->data[3 * p + k]) / c);
+            const int at = 3 * i + k, from = 3 * p + k;
+            if (parts & NORMAL) g->normal[at] = o * view->normal.data[from];
+            if (parts & ALBEDO) g->albedo[at] = o * view->albedo.data[from];
+            if (parts & AMBIENT)
+                g->ambient[at] = o * ffp_srgb_decode(ffp_srgb_encode(black->data[from]) / coverage);
         }
     }
 }
 
+// Input poses under lollipops that were not given, new poses under all patterns but black, which true maps
+// would show exactly.
 static void score_view(Viewer *v, const FfpScene *scene, int index, const FfpGaussians *g, unsigned parts,
                        Score *score) {
     const FfpCapture *capture = &scene->capture;
@@ -119,14 +145,13 @@ static void score_view(Viewer *v, const FfpScene *scene, int index, const FfpGau
     const int target = index >= scene->inputs.n_views;
     FfpViewPass *pass = v->pass[!(parts & NO_SHADOWS)];
     ffp_view_pass_draw(pass, g, &view->camera, &view->projector);
-    if (parts & MAPS) put_maps(ffp_view_pass_samples(pass), view, &view->images[capture->black]);
     if (parts & SILHOUETTE)
         put_silhouette(ffp_view_pass_samples(pass), ffp_view_pass_gbuffer(pass), &view->coverage);
+    if (parts & MAPS) put_maps(ffp_view_pass_samples(pass), view, &view->images[capture->black], parts);
     if (parts & (MAPS | SILHOUETTE)) ffp_view_pass_samples_changed(pass);
     for (int p = 0; p < capture->n_patterns; p++) {
-        if (!target && (p == capture->black || p == capture->white || p == scene->active)) continue;
-        ffp_view_pass_shade(pass, capture->intensity, p == capture->black ? NULL : &scene->patterns[p],
-                            &v->picture);
+        if (p == capture->black || (!target && (p == capture->white || p == scene->active))) continue;
+        ffp_view_pass_shade(pass, capture->intensity, &scene->patterns[p], &v->picture);
         FfpImage truth = ffp_image_copy(&view->images[p]);
         ffp_image_to_srgb(&truth);
         score->sum[target] += ffp_psnr(&v->picture, &truth);
@@ -135,28 +160,49 @@ static void score_view(Viewer *v, const FfpScene *scene, int index, const FfpGau
     }
 }
 
-static bool score_scene(Viewer *viewer, const FfpScene *scene, const FfpTrainConfig *config,
-                        const FfpRun *run, Score scores[ROWS][STAGES], FfpError *err) {
+static bool polish(FfpGaussians *g, const FfpScene *scene, FfpError *err) {
     const FfpRenderSettings settings = ffp_render_defaults();
-    bool ok = true;
-    for (int row = 0; row < ROWS && ok; row++) {
-        FfpGaussians g = ffp_gaussians_copy(&run->gaussians);
-        put_truth(&g, run, scene, rows[row].parts);
-        for (int stage = 0; stage < STAGES && ok; stage++) {
-            if (stage == POLISHED) ok = ffp_scene_polish(&g, config, &settings, scene, 1, err);
-            for (int v = 0; v < scene->capture.n_views && ok; v++)
-                score_view(viewer, scene, v, &g, rows[row].parts, &scores[row][stage]);
-        }
-        ffp_gaussians_free(&g);
+    FfpTrainConfig config = ffp_train_defaults();
+    config.polish_steps = FFP_POLISH_STEPS;
+    return ffp_scene_polish(g, &config, &settings, scene, 1, err);
+}
+
+// The splats of a row, alone and polished, from those of the first.
+static bool make_splats(FfpGaussians of[STAGES], const FfpGaussians first[STAGES], const FfpRun *run,
+                        const FfpScene *scene, unsigned parts, FfpError *err) {
+    const bool moved = !(parts & MAPS) && parts & (DEPTH | NORMAL | ALBEDO | ROUGHNESS | OPAQUE);
+    of[ALONE] = ffp_gaussians_copy(&first[ALONE]);
+    if (moved) put_truth(&of[ALONE], run, scene, parts);
+    of[POLISHED] = ffp_gaussians_copy(moved ? &of[ALONE] : &first[POLISHED]);
+    for (int k = 0; k < FFP_ATTRIBUTES; k++) {
+        const FfpAttribute to = ffp_attribute(&of[ALONE], k), from = ffp_attribute(&first[POLISHED], k);
+        if (parts & (unsigned)FITTED << k)
+            memcpy(to.data, from.data, (size_t)first->count * (size_t)to.width * sizeof *to.data);
     }
+    return !moved || polish(&of[POLISHED], scene, err);
+}
+
+static bool score_scene(Viewer *viewer, const FfpScene *scene, const FfpRun *run, Score scores[ROWS][STAGES],
+                        FfpError *err) {
+    FfpGaussians first[STAGES] = {ffp_gaussians_copy(&run->gaussians), ffp_gaussians_copy(&run->gaussians)};
+    bool ok = polish(&first[POLISHED], scene, err);
+    for (int row = 0; row < ROWS && ok; row++) {
+        const unsigned parts = rows[row].parts;
+        FfpGaussians g[STAGES];
+        ok = make_splats(g, first, run, scene, parts, err);
+        for (int stage = 0; stage < (parts < FITTED ? STAGES : POLISHED) && ok; stage++)
+            for (int v = 0; v < scene->capture.n_views; v++)
+                score_view(viewer, scene, v, &g[stage], parts, &scores[row][stage]);
+        for (int stage = 0; stage < STAGES; stage++) ffp_gaussians_free(&g[stage]);
+    }
+    for (int stage = 0; stage < STAGES; stage++) ffp_gaussians_free(&first[stage]);
     return ok;
 }
 
 static bool run_scenes(const FfpModel *model, int count, int first, Score scores[ROWS][STAGES],
                        FfpError *err) {
-    FfpTrainConfig config = ffp_train_defaults();
+    const FfpTrainConfig config = ffp_train_defaults();
     const int side = config.resolution;
-    config.polish_steps = FFP_POLISH_STEPS;
     FfpRenderSettings settings = ffp_render_defaults();
     Viewer viewer = {.picture = ffp_image_new(side, side, 3)};
     for (int shadows = 0; shadows < 2; shadows++) {
@@ -169,7 +215,7 @@ static bool run_scenes(const FfpModel *model, int count, int first, Score scores
         FfpScene scene;
         if (!(ok = ffp_scene_open(&scene, &config, NULL, "validation", i, err))) break;
         ok = ffp_model_forward(model, run, &scene.inputs, &scene.start, &scene.context, scene.active, err);
-        if (ok) ok = score_scene(&viewer, &scene, &config, run, scores, err);
+        if (ok) ok = score_scene(&viewer, &scene, run, scores, err);
         ffp_scene_close(&scene);
     }
     ffp_run_free(run);
@@ -186,6 +232,20 @@ static FfpModel *open_model(const char *path, FfpError *err) {
     return ffp_model_new(&config, 1, err);
 }
 
+static double mean_of(const Score *score, int target) {
+    return score->sum[target] / score->count[target];
+}
+
+static void print_score(Score scores[ROWS][STAGES], int row, int stage, int target) {
+    const Score *score = &scores[row][stage];
+    if (score->count[target] == 0)
+        printf(" |");
+    else if (row == 0)
+        printf(" %.2f |", mean_of(score, target));
+    else
+        printf(" %+.2f |", mean_of(score, target) - mean_of(&scores[0][stage], target));
+}
+
 int main(int argc, char **argv) {
     const int count = argc > 2 ? atoi(argv[2]) : 4, first = argc > 3 ? atoi(argv[3]) : 0;
     Score scores[ROWS][STAGES] = {0};
@@ -197,14 +257,13 @@ int main(int argc, char **argv) {
         fprintf(stderr, "limits: error: %s\n", err.text);
         return 1;
     }
-    printf("| %d validation scenes | rendering | novel pose | polished: rendering | novel pose |\n"
+    printf("| %d validation scenes | alone: rendering | novel pose | polished: rendering | novel pose |\n"
            "|---|---|---|---|---|\n",
            count);
     for (int row = 0; row < ROWS; row++) {
         printf("| %s |", rows[row].name);
         for (int stage = 0; stage < STAGES; stage++)
-            for (int target = 0; target < 2; target++)
-                printf(" %.2f |", scores[row][stage].sum[target] / scores[row][stage].count[target]);
+            for (int target = 0; target < 2; target++) print_score(scores, row, stage, target);
         putchar('\n');
     }
     return 0;
