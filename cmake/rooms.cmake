@@ -65,10 +65,10 @@ ffp_room(turntable DEPS checks findings chessboard shots optics match capture im
 ffp_room(response DEPS match capture image numerics base)
 # photographs into captures: the order of the steps
 ffp_room(import DEPS response checks findings masks turntable shots graycode optics patterns capture image base)
-# a calibration without a board: a walking camera and a projector from the codes on anything
-ffp_room(selfcal CALLS DEPS chessboard shots graycode optics findings image numerics base)
 # the rig's own calibration: the order of its steps, its files and report
 ffp_room(calibrate CALLS DEPS turntable chessboard optics capture base)
+# a calibration without a board: projector, and a walking camera or a turntable, from the codes on anything
+ffp_room(selfcal CALLS DEPS calibrate turntable chessboard shots graycode optics findings image numerics base)
 
 ffp_wing(world) # objects and rigs that do not exist
 # shapes, generated or read, as meshes; solid noise

@@ -890,17 +890,27 @@ typedef struct FfpRigCalibrationStats { // errors in pixels are root mean square
 FFP_API bool ffp_calibrate_rig(FfpContext *context, const FfpRigCalibration *options,
                                FfpRigCalibrationStats *stats, FfpError *err);
 
-// A projector that stands still, and a camera at two places or more before anything that is not flat.
+// Without a board: a projector that stands still, and either a camera at two places or more before anything
+// that is not flat, or one that stands still too, and an object on a turntable.
 typedef struct FfpSelfCalibration {
-    // Folders of the photographs of one place of the camera each, or folders of such folders, as
-    // FfpRigCalibration.attitudes: black, white and the Gray codes.
+    // Folders of the photographs of one place of the camera, or of one stop of the turntable, each; or
+    // folders of such folders, as FfpRigCalibration.attitudes: black, white and the Gray codes.
     const char *const *places;
-    int n_places;       // up to 64
-    int width, height;  // of the projector's panel, pixels, 64 to 16384
-    const char *shown;  // as FfpRigCalibration.shown, or NULL
-    double focal_35mm;  // the camera's focal length as that of a 35 mm camera, mm, where it is known; 0: not
-    double length;      // distance of the first two places in the unit that is wanted; 0: it is the unit
-    const char *folder; // for the calibration: COLMAP's text model, in a new or empty folder
+    int n_places; // up to 64
+    // By which the turntable has turned at each stop, in the order of `places`, degrees; they may be off by a
+    // few. NULL: the camera walks.
+    const double *angles;
+    int n_angles;
+    int width, height; // of the projector's panel, pixels, 64 to 16384
+    const char *shown; // as FfpRigCalibration.shown, or NULL
+    double focal_35mm; // the camera's focal length as that of a 35 mm camera, mm, where it is known; 0: not
+    // Distance of the first two places, or of projector and camera before a turntable, in the unit that is
+    // wanted; 0: it is the unit.
+    double length;
+    const char *folder; // for the calibration of a walk: COLMAP's text model, in a new or empty folder
+    // For that of a turntable, as those of FfpRigCalibration: OpenCV FileStorage, and the axis with the
+    // angles that were found.
+    const char *file, *turntable_file;
 } FfpSelfCalibration;
 FFP_API FfpSelfCalibration ffp_self_calibration_defaults(void); // nothing named, 1920 x 1080
 
@@ -910,12 +920,22 @@ typedef struct FfpSelfCalibrationStats {
     double camera_focal, projector_focal;         // pixels
     double camera_uncertain, projector_uncertain; // standard deviations, as shares of them
     double turn_uncertain;                        // of the places' directions, degrees, the largest
-    double parallax; // degrees between the outermost cameras that see a point, median
+    // Degrees between the rays by which the outermost cameras, or projector and camera before a turntable,
+    // see a point, median.
+    double parallax;
+    bool has_axis;            // the following fields describe a turntable
+    double axis[3], point[3]; // camera coordinates; points up in the picture
+    bool reversed;            // the angles are left-handed about it: clockwise as seen from above
+    double tilt, shift;       // standard deviations: degrees; share of the distance of the camera
+    double surface;           // median distance of points that were turned to other stops, pixels there
+    double angle_off;         // of the angles, degrees, the largest
 } FfpSelfCalibrationStats;
-// Finds optics and poses of projector and camera from the positions that the codes give, without a board: all
-// places see the same points of the surface by the same codes, which a bundle adjustment explains (Triggs et
-// al. 2000). Nothing is written until everything has been found. Fails where the photographs do not determine
-// it, and says what to photograph; with FFP_ERROR_UNSUPPORTED if the library was built without OpenCV.
+// Finds optics and poses of projector and camera from the positions that the codes give, without a board. All
+// places of a camera that walks see the same points of the surface by the same codes, which a bundle
+// adjustment explains (Triggs et al. 2000); before a turntable, the surface of each stop turns into those of
+// the others about one axis. Nothing is written until everything has been found. Fails where the photographs
+// do not determine it, and says what to photograph; with FFP_ERROR_UNSUPPORTED if the library was built
+// without OpenCV.
 // `stats` may be NULL.
 FFP_API bool ffp_self_calibrate(FfpContext *context, const FfpSelfCalibration *options,
                                 FfpSelfCalibrationStats *stats, FfpError *err);

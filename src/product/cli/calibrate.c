@@ -117,12 +117,32 @@ static void print_places(const FfpSelfCalibration *o, const FfpSelfCalibrationSt
     printf("import with -c %s --scene\n", o->folder);
 }
 
+static void print_stops(const FfpSelfCalibration *o, const FfpSelfCalibrationStats *s) {
+    printf("%s: %d of %d stops, %d points, rms %.3f pixels; turned to other stops they are off by %.3f\n",
+           o->file, s->used, s->places, s->points, s->rms, s->surface);
+    printf("focal lengths: camera %.1f pixels (+- %.2f %%), projector %.1f (+- %.2f %%)\n", s->camera_focal,
+           100 * s->camera_uncertain, s->projector_focal, 100 * s->projector_uncertain);
+    printf(
+        "the axis points along %.6f,%.6f,%.6f through %.6g,%.6g,%.6g (+- %.2f degrees, %.2f %%); the table "
+        "turned %sclockwise as seen from above, by angles up to %.2f degrees from those given\n",
+        s->axis[0], s->axis[1], s->axis[2], s->point[0], s->point[1], s->point[2], s->tilt, 100 * s->shift,
+        s->reversed ? "" : "anti", s->angle_off);
+    printf("import with -c %s -t %s\n", o->file, o->turntable_file);
+}
+
 static void print_places_json(const FfpSelfCalibration *o, const FfpSelfCalibrationStats *s) {
-    json_t *all = json_pack("{s:s, s:i, s:i, s:i, s:f, s:f, s:{s:f, s:f}, s:{s:f, s:f}, s:f}", "folder",
-                            o->folder, "places", s->places, "used", s->used, "points", s->points, "rms",
-                            s->rms, "parallax", s->parallax, "camera", "focal", s->camera_focal, "uncertain",
-                            s->camera_uncertain, "projector", "focal", s->projector_focal, "uncertain",
-                            s->projector_uncertain, "turn_uncertain", s->turn_uncertain);
+    json_t *all = json_pack("{s:s, s:i, s:i, s:i, s:f, s:f, s:{s:f, s:f}, s:{s:f, s:f}, s:f}",
+                            s->has_axis ? "file" : "folder", s->has_axis ? o->file : o->folder, "places",
+                            s->places, "used", s->used, "points", s->points, "rms", s->rms, "parallax",
+                            s->parallax, "camera", "focal", s->camera_focal, "uncertain", s->camera_uncertain,
+                            "projector", "focal", s->projector_focal, "uncertain", s->projector_uncertain,
+                            "turn_uncertain", s->turn_uncertain);
+    if (all && s->has_axis)
+        json_object_set_new(all, "turntable",
+                            json_pack("{s:[fff], s:[fff], s:b, s:f, s:f, s:f, s:f}", "axis", s->axis[0],
+                                      s->axis[1], s->axis[2], "point", s->point[0], s->point[1], s->point[2],
+                                      "clockwise", s->reversed, "tilt", s->tilt, "shift", s->shift, "surface",
+                                      s->surface, "angle_off", s->angle_off));
     json_object_set(all, "findings", ffp_cli_keep_findings());
     json_dumpf(all, stdout, JSON_INDENT(1) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(9));
     putchar('\n');
@@ -135,16 +155,26 @@ static int run_without_board(const Arguments *arguments) {
     FfpSelfCalibrationStats stats;
     FfpError err = {0};
     if (rig->width > 0) o.width = rig->width, o.height = rig->height;
-    o.shown = rig->shown, o.folder = rig->file;
+    o.shown = rig->shown;
+    o.angles = arguments->angles.degrees, o.n_angles = arguments->angles.count;
+    if (o.n_angles > 0)
+        o.file = rig->file, o.turntable_file = rig->turntable_file;
+    else
+        o.folder = rig->file;
     o.focal_35mm = arguments->focal_35mm, o.length = arguments->length;
     o.places = arguments->attitudes.values, o.n_places = arguments->attitudes.count;
     if (rig->columns || rig->report || rig->seen || rig->turntable_board || rig->fix_camera ||
         rig->fix_projector)
         return ffp_cli_usage("calibrate", "--without-board takes none of the options of a board");
+    if (o.n_angles > 0 && !(o.file && o.turntable_file))
+        return ffp_cli_usage("calibrate", "the stops of a turntable give two files, --output and "
+                                          "--turntable-output");
     if (arguments->json) ffp_cli_keep_findings();
     if (!ffp_self_calibrate(ffp_cli_context(), &o, &stats, &err)) return ffp_cli_fail(&err);
     if (arguments->json)
         print_places_json(&o, &stats);
+    else if (stats.has_axis)
+        print_stops(&o, &stats);
     else
         print_places(&o, &stats);
     return FFP_EXIT_OK;
@@ -189,7 +219,7 @@ static int run(void *data) {
 
 #define RIG "camera and projector"
 #define TURNTABLE "turntable"
-#define WITHOUT "without a board: a camera that walks, a projector that stands"
+#define WITHOUT "without a board: from the codes on anything"
 
 static const FfpOption options[] = {
     {.name = "json",
@@ -269,11 +299,12 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_FLAG,
      .offset = offsetof(Arguments, without_board),
      .group = WITHOUT,
-     .help = "the FOLDERs are of places of the camera, two or more, 10 to 20 degrees apart, before anything "
-             "that is "
-             "not flat: the scene itself. The projector stands still. --output is a new folder, COLMAP's "
-             "text model, "
-             "for `ffprocams import -c FOLDER --scene`"},
+     .help =
+         "the FOLDERs are of places of a camera that walks, two or more, 10 to 20 degrees apart, before "
+         "anything that is not flat: the scene itself. The projector stands still. --output is a new "
+         "folder, COLMAP's text model, for `ffprocams import -c FOLDER --scene`. With --angles they are of "
+         "a turntable's stops before a camera and a projector that stand still; --output and "
+         "--turntable-output are files as those of a board"},
     {.name = "lens",
      .needs = "without-board",
      .argument = "MM",
@@ -293,7 +324,8 @@ static const FfpOption options[] = {
      .most = 1e9,
      .offset = offsetof(Arguments, length),
      .group = WITHOUT,
-     .help = "distance between the first two places, which sets the unit of length. Default: 1"},
+     .help = "distance between the first two places, or between the lenses of projector and camera before a "
+             "turntable, which sets the unit of length. Default: 1"},
     {.name = "turntable-board",
      .argument = "DIR",
      .type = FFP_OPTION_FOLDER,
@@ -301,16 +333,16 @@ static const FfpOption options[] = {
      .group = TURNTABLE,
      .help = "photographs of the board on the turntable, one for each angle of --angles, in order"},
     {.name = "angles",
-     .needs = "turntable-board",
      .argument = "ANGLES",
      .type = FFP_OPTION_PARSED,
      .offset = offsetof(Arguments, angles),
      .parse = read_angles,
      .takes = "up to 512 angles in degrees, separated by commas, or 12x30 for twelve steps of 30",
      .group = TURNTABLE,
-     .help = "angles of the table in these photographs, in degrees: 0,20,40 or 12x30"},
+     .help =
+         "angles of the table in these photographs, in degrees: 0,20,40 or 12x30. Without a board, of the "
+         "FOLDERs in their order; they may be off by a few degrees, and are found"},
     {.name = "turntable-output",
-     .needs = "turntable-board",
      .argument = "FILE",
      .type = FFP_OPTION_FILE,
      .writes = true,
@@ -348,7 +380,8 @@ const FfpCommand ffp_cli_calibrate = {
         "do not fit are left out, and listed. docs/guide/own-rig.md shows how.\n"
         "With --turntable-board, a chessboard that lies or stands on the turntable gives its axis.\n"
         "With --without-board nothing is printed, glued or measured: the codes on the scene itself say where "
-        "projector and camera are, as long as the camera stands at two places or more.",
+        "projector and camera are, as long as the camera stands at two places or more, or the object at "
+        "three stops of a turntable.",
     .positional = {.name = "FOLDER",
                    .least = 0,
                    .most = INT_MAX,
@@ -371,6 +404,9 @@ const FfpCommand ffp_cli_calibrate = {
             {.about = "Without a board, from the photographs of a scene at three places of the camera:",
              .command = "ffprocams calibrate places/1 places/2 places/3 --without-board "
                         "\\\n    --shown patterns -o calibration"},
+            {.about = "From photographs of any object at eight stops of a turntable:",
+             .command = "ffprocams calibrate view-* --without-board --angles 8x45 --shown patterns "
+                        "\\\n    -o calibration.xml --turntable-output axis.json"},
             {0}},
     .size = sizeof(Arguments),
     .set_defaults = set_defaults,

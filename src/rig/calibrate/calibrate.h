@@ -12,9 +12,9 @@ bool ffp_write_calibration(const FfpRigFit *fit, const char *path, FfpError *err
 bool ffp_write_calibration_report(const FfpRigFit *fit, const FfpTableFit *table, const char *path,
                                   FfpError *err);
 
-// {"axis", "point", "zero", "clockwise"}, as `import --turntable` reads it, and how good it is. The point is
-// that of the axis beside the board's middle: a board that stays where it lies on the table gives every
-// calibration of the rig one world.
+// {"axis", "point", "zero", "clockwise"} and, of an object, "angles", as `import --turntable` reads it, and
+// how good it is. The point is that of the axis beside the board's middle: a board that stays where it lies
+// on the table gives every calibration of the rig one world.
 bool ffp_write_table(const FfpTableFit *fit, const char *path, FfpError *err);
 
 #endif

@@ -194,7 +194,8 @@ bool ffp_write_table(const FfpTableFit *fit, const char *path, FfpError *err) {
     fprintf(out.stream, "{\n \"axis\": [%.9g, %.9g, %.9g],\n \"point\": [%.9g, %.9g, %.9g],\n", u[0], u[1],
             u[2], p[0], p[1], p[2]);
     if (ffp_dot(x, x) > 0) fprintf(out.stream, " \"zero\": [%.9g, %.9g, %.9g],\n", x[0], x[1], x[2]);
-    fprintf(out.stream, " \"clockwise\": %s,\n \"board_angles\": [", fit->reversed ? "true" : "false");
+    fprintf(out.stream, " \"clockwise\": %s,\n \"%s\": [", fit->reversed ? "true" : "false",
+            fit->of_object ? "angles" : "board_angles");
     for (int i = 0; i < fit->n; i++) fprintf(out.stream, "%s%.9g", i > 0 ? ", " : "", fit->angles[i]);
     fprintf(out.stream, "],\n \"rms\": %.6g,\n \"tilt\": %.6g,\n \"shift\": %.6g\n}\n", fit->rms, fit->tilt,
             fit->shift);

@@ -414,10 +414,17 @@ static const FfpRule rules[FFP_RULES] = {
                         "take more attitudes, tilted more", NULL},
     [FFP_RULE_PLACE_LEFT_OUT] = {"place-left-out", "calibration", DOUBT, NULL, 0,
                                  "the camera's place '{view}' is left out: {a}", NULL, NULL},
+    [FFP_RULE_STOP_LEFT_OUT] = {"stop-left-out", "calibration", DOUBT, NULL, 0,
+                                "the turntable's stop '{view}' is left out: {a}", NULL, NULL},
     [FFP_RULE_PLACES_FOCAL] =
         {"focal-uncertain-by-places", "calibration", DOUBT, "share of the focal length", 0,
          "the {a}'s focal length is uncertain by {figure:.1%}",
          "photograph from places farther apart, with things at different depths in view", NULL},
+    [FFP_RULE_STOPS_FOCAL] = {"focal-uncertain-by-stops", "calibration", DOUBT, "share of the focal length",
+                              0, "the {a}'s focal length is uncertain by {figure:.1%}",
+                              "put a larger object with more relief on the turntable, or move the projector "
+                              "farther from the camera",
+                              NULL},
     [FFP_RULE_LENS_DIFFERS] =
         {"lens-differs", "calibration", DOUBT, "share of the focal length", 0,
          "the photographs say a focal length that differs by {figure:.1%} from the one given",

@@ -9,7 +9,7 @@
 #define NOISE 0.1    // of the brighter one: a smaller difference is noise
 #define OUTSIDE 0.05 // linear: a code is nowhere darker than black, or brighter than white, by as much
 #define CLIPPED 0.98 // linear
-#define BRIGHTER 0.9 // share of lit pixels of which white must be the brighter
+#define BRIGHTER 0.9 // share of the light in pixels of which white must be the brighter
 
 // Two photographs one after the other, as light.
 typedef struct Plain {
@@ -19,21 +19,22 @@ typedef struct Plain {
     bool turned;      // white comes first
     bool lit;         // they differ
     int width, height;
-    double share; // of the pixels that differ, of which white is the brighter
+    double share; // of the light by which pixels differ, in those of which white is the brighter
     double added; // light, of all pixels together
 } Plain;
 
 static void compare(Plain *p) {
     const size_t pixels = (size_t)p->width * (size_t)p->height;
-    size_t lit = 0, more = 0;
+    size_t lit = 0;
+    double light = 0, more = 0; // a pixel counts by its light, so that a dark picture's noise does not
     for (size_t i = 0; i < pixels; i++) {
         const double a = (double)p->grey[0][i], b = (double)p->grey[1][i];
         p->added += b - a;
         if (fabs(b - a) < fmax(LIT, NOISE * fmax(a, b))) continue;
-        lit++, more += b > a;
+        lit++, light += fabs(b - a), more += fmax(b - a, 0);
     }
     p->lit = lit > pixels / 1000;
-    p->share = p->lit ? (double)more / (double)lit : 0.5;
+    p->share = p->lit ? more / light : 0.5;
     p->turned = p->share < 0.5;
     if (!p->turned) return;
     float *const swap = p->grey[0];

@@ -5,34 +5,17 @@
 #ifndef FFP_SELFCAL_BUNDLE_H
 #define FFP_SELFCAL_BUNDLE_H
 
-#include "core/base/rigid.h"
-#include "rig/selfcal/places.h"
-
-// Numbers of the optics. Principal points and lenses are as far from their usual values as the photographs
-// make likely: what these do not determine stays usual, and its deviation says so.
-enum {
-    FFP_BUNDLE_CAMERA_FOCAL, // logarithm, pixels
-    FFP_BUNDLE_CAMERA_X,     // principal point, from the middle, of the width
-    FFP_BUNDLE_CAMERA_Y,
-    FFP_BUNDLE_CAMERA_K1,
-    FFP_BUNDLE_CAMERA_K2,
-    FFP_BUNDLE_PROJECTOR_FOCAL,
-    FFP_BUNDLE_PROJECTOR_X,
-    FFP_BUNDLE_PROJECTOR_Y,
-    FFP_BUNDLE_PROJECTOR_K1,
-    FFP_BUNDLE_OPTICS
-};
+#include "rig/selfcal/devices.h"
 
 typedef struct FfpBundle {
     const FfpTracks *tracks;
     double optics[FFP_BUNDLE_OPTICS];
-    FfpRigid *places;   // [n_places] projector's frame to the camera's there
-    bool *known;        // [n_places] has a pose
-    double *nearness;   // [tracks->n] 1 / z along the projector's ray; 0: none
-    double focal_known; // relative deviation of what is known of the camera's focal length; 0: nothing
-    double focal;       // the logarithm of that
-    double *deviation;  // [FFP_BUNDLE_OPTICS + 6 n_places] of each number; NULL until it is judged
-    double rms;         // of the sightings used, pixels
+    FfpRigid *places; // [n_places] projector's frame to the camera's there
+    bool *known;      // [n_places] has a pose
+    double *nearness; // [tracks->n] 1 / z along the projector's ray; 0: none
+    FfpKnownFocal focal;
+    double *deviation; // [FFP_BUNDLE_OPTICS + 6 n_places] of each number; NULL until it is judged
+    double rms;        // of the sightings used, pixels
 } FfpBundle;
 
 // Where the camera at a place sees a point of the projector's frame; false: behind it.

@@ -26,6 +26,8 @@ typedef struct FfpSighting {
     int place;
     bool used; // false: out of line
     double at[2];
+    double slope[4]; // x over the panel's x and y, then y: how `at` moves with the spot
+    float light;     // of the surface there under white, 0 to 1
 } FfpSighting;
 
 typedef struct FfpTracks {
@@ -34,6 +36,9 @@ typedef struct FfpTracks {
     FfpCameraPlace *places; // [n_places]
     FfpTrack *tracks;       // [n]
     FfpSighting *sightings; // [n_sightings], those of a track one behind the other
+    int columns, rows;      // of the grid over the panel
+    double pitch;           // of the grid, panel pixels
+    int *grid;              // [rows, columns] the track of each spot; -1: none
 } FfpTracks;
 
 // Spots on a grid over the panel, a few thousand at most, seen by as many places as decode them: each by a

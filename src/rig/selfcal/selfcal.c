@@ -4,28 +4,23 @@
 #include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/file.h"
-#include "core/base/log.h"
-#include "core/image/photograph.h"
 #include "core/numerics/rank.h"
 #include "rig/chessboard/opencv.h"
 #include "rig/findings/tell.h"
-#include "rig/graycode/graycode.h"
 #include "rig/selfcal/start.h"
-#include "rig/shots/folders.h"
 
 enum { PLACES_LEAST = 2, SIDE_MIN = 64, SIDE_MAX = 16384, FIT_TRACKS = 2500 };
-#define PIXELS_LEFT 1.5   // of a photograph to one of the panel, along a side: more is averaged when read
-#define FAR 5             // times the median
-#define FOCAL_OPEN 0.1    // share of the focal length by which it may be uncertain
-#define FOCAL_VAGUE 0.01  // and where that is worth a warning
-#define PARALLAX 1.0      // degrees between the outermost places' rays that can be worked with
-#define KNOWN_OFF 2.5     // deviations that a focal length may be off what was known
-#define FOCAL_KNOWN 0.03  // deviation of a focal length that a lens or a file says
-#define FULL_FRAME 43.267 // diagonal of 36 x 24, mm
+#define FAR 5        // times the median
+#define PARALLAX 1.0 // degrees between the outermost places' rays that can be worked with
 
 static bool check(const FfpSelfCalibration *o, FfpError *err) {
     if (o->n_places == 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, "places", "no photographs given");
-    if (!o->folder) return ffp_fail(err, FFP_ERROR_ARGUMENT, "output", "no folder to write to");
+    if (o->n_angles == 0 ? !o->folder : !(o->file && o->turntable_file))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "output",
+                        o->n_angles == 0 ? "no folder to write to" : "no files to write to");
+    for (int i = 0; i < o->n_angles; i++)
+        if (!(fabs(o->angles[i]) <= 36000))
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, "angles", "invalid angle: %g degrees", o->angles[i]);
     if (!(o->focal_35mm == 0 || (o->focal_35mm >= 5 && o->focal_35mm <= 2000)))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "focal", "%g mm is not in 5 to 2000", o->focal_35mm);
     if (!(o->length >= 0 && o->length < 1e9))
@@ -34,111 +29,6 @@ static bool check(const FfpSelfCalibration *o, FfpError *err) {
            (o->width >= SIDE_MIN && o->width <= SIDE_MAX && o->height >= SIDE_MIN && o->height <= SIDE_MAX) ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "projector", "a side of %d x %d is not in %d to %d pixels",
                     o->width, o->height, SIDE_MIN, SIDE_MAX);
-}
-
-// --- Reading. ---
-
-typedef struct Reading {
-    FfpTracks *tracks;
-    FfpShotFolders folders;
-    FfpImage *maps;   // [n]
-    FfpImage *whites; // [n] as they look, [h,w,1]
-    int shrink;
-    double step;
-} Reading;
-
-// Errors of one place's photographs leave it out; all others end the call.
-static bool leave_out(FfpCameraPlace *place, const FfpError *error, FfpError *err) {
-    if (error->code == FFP_ERROR_FILE || error->code == FFP_ERROR_IO ||
-        error->code == FFP_ERROR_UNSUPPORTED) {
-        snprintf(place->problem, sizeof place->problem, "%s", error->text);
-        return true;
-    }
-    if (err) *err = *error;
-    return false;
-}
-
-static bool read_place(Reading *r, int index, FfpError *err) {
-    const FfpShotFolder *folder = &r->folders.folders[index];
-    FfpCameraPlace *place = &r->tracks->places[index];
-    FfpGrayCache cache = {.n = 0}; // each photograph is read once
-    FfpGrayPhotographs photographs = {.width = r->tracks->panel_width,
-                                      .height = r->tracks->panel_height,
-                                      .shrink = r->shrink,
-                                      .cache = &cache};
-    FfpGrayReport report;
-    FfpError error = {0};
-    int width, height;
-    snprintf(place->name, sizeof place->name, "%s", folder->name);
-    if (folder->problem) snprintf(place->problem, sizeof place->problem, "%s", folder->problem);
-    if (place->problem[0]) return true;
-    if (!ffp_photograph_read_size(&width, &height, folder->files[0], &error))
-        return leave_out(place, &error, err);
-    if (width != r->tracks->width || height != r->tracks->height) {
-        snprintf(place->problem, sizeof place->problem,
-                 "its photographs are %d x %d, those of the others %d x %d", width, height, r->tracks->width,
-                 r->tracks->height);
-        return true;
-    }
-    const bool ok = ffp_gray_find_plain(&photographs, folder->files, folder->n_files, &error) &&
-                    ffp_gray_decode_view(&r->maps[index], &report, &photographs, &error);
-    for (int i = 0; i < cache.n && !r->whites[index].data; i++) {
-        r->whites[index] = cache.files[i].luma;
-        cache.files[i].luma = (FfpImage){0};
-    }
-    ffp_gray_cache_free(&cache);
-    if (!ok) return leave_out(place, &error, err);
-    ffp_note("%s: codes read at %.0f %% of the lit pixels", place->name, 100.0 * report.decoded / report.lit);
-    r->step = fmax(r->step, report.step);
-    return true;
-}
-
-static bool read_sizes(Reading *r, FfpError *err) {
-    FfpTracks *t = r->tracks;
-    for (int i = 0; i < r->folders.n; i++)
-        if (!r->folders.folders[i].problem && r->folders.folders[i].n_files > 0) {
-            if (!ffp_photograph_read_size(&t->width, &t->height, r->folders.folders[i].files[0], err))
-                return false;
-            const double over =
-                sqrt((double)t->width * t->height / ((double)t->panel_width * t->panel_height));
-            for (r->shrink = 1; r->shrink < 8 && over / (2 * r->shrink) >= PIXELS_LEFT;) r->shrink *= 2;
-            return true;
-        }
-    return ffp_fail(err, FFP_ERROR_FILE, NULL, "%s: %s", r->folders.folders[0].name,
-                    r->folders.folders[0].problem);
-}
-
-static bool read_places(Reading *r, FfpError *err) {
-    FfpTracks *t = r->tracks;
-    const int n = r->folders.n;
-    if (n > FFP_PLACES_MAX)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "places", "%d are more than %d", n, FFP_PLACES_MAX);
-    t->n_places = n;
-    t->places = ffp_alloc((size_t)n, sizeof *t->places);
-    r->maps = ffp_alloc((size_t)n, sizeof *r->maps);
-    r->whites = ffp_alloc((size_t)n, sizeof *r->whites);
-    const FfpTask task = ffp_task("reading places", n);
-    bool ok = read_sizes(r, err);
-    for (int i = 0; ok && i < n; i++) {
-        ok = read_place(r, i, err);
-        ffp_task_step(&task, i + 1, t->places[i].name);
-    }
-    ffp_task_end(&task);
-    if (ok) ffp_tracks_find(t, r->maps, r->whites, r->shrink, r->step);
-    for (int i = 0; i < n; i++) ffp_image_free(&r->maps[i]), ffp_image_free(&r->whites[i]);
-    ffp_free(r->maps), ffp_free(r->whites);
-    return ok;
-}
-
-static bool read_all(const FfpSelfCalibration *o, FfpTracks *tracks, FfpError *err) {
-    Reading r = {.tracks = tracks, .shrink = 1};
-    tracks->panel_width = o->width, tracks->panel_height = o->height;
-    bool ok = ffp_shot_folders_find(&r.folders, o->places, o->n_places, err) &&
-              (!o->shown || ffp_shot_folders_take(&r.folders, o->shown, &tracks->panel_width,
-                                                  &tracks->panel_height, err)) &&
-              read_places(&r, err);
-    ffp_shot_folders_free(&r.folders);
-    return ok;
 }
 
 // --- Judging. ---
@@ -195,27 +85,14 @@ static bool judge_parallax(const FfpBundle *b, FfpError *err) {
 }
 
 static bool judge_focal(const FfpBundle *b, int number, const char *device, FfpError *err) {
-    const double open = b->deviation[number];
-    if (!(open < FOCAL_OPEN))
-        return ffp_fail(
-            err, FFP_ERROR_FILE, NULL,
-            "the %s's focal length (%.0f pixels) is uncertain by %.0f %%: photograph from places farther "
-            "apart, with things at different depths in view, or say what lens it was",
-            device, exp(b->optics[number]), fmin(999, 100 * open));
-    if (open > FOCAL_VAGUE)
-        ffp_tell(FFP_RULE_PLACES_FOCAL, &(FfpFacts){.a = device, .figure = open, .limit = FOCAL_VAGUE});
-    return true;
+    return ffp_judge_focal(b->optics[number], b->deviation[number], device, FFP_RULE_PLACES_FOCAL, err);
 }
 
 // A lens that the photographs contradict is not believed.
 static void judge_known(FfpBundle *b, int stride) {
-    const double off = b->optics[FFP_BUNDLE_CAMERA_FOCAL] - b->focal;
-    if (!(b->focal_known > 0) || fabs(off) < KNOWN_OFF * b->focal_known) return;
-    b->focal_known = 0;
+    if (!ffp_judge_known_focal(&b->focal, b->optics[FFP_BUNDLE_CAMERA_FOCAL])) return;
     ffp_bundle_fit(b, stride, FAR, true);
-    ffp_tell(FFP_RULE_LENS_DIFFERS,
-             &(FfpFacts){.figure = fabs(exp(b->optics[FFP_BUNDLE_CAMERA_FOCAL] - b->focal) - 1),
-                         .limit = KNOWN_OFF * FOCAL_KNOWN});
+    ffp_tell_known_focal(&b->focal, b->optics[FFP_BUNDLE_CAMERA_FOCAL]);
 }
 
 // Distance of the first two known places.
@@ -262,24 +139,32 @@ bool ffp_self_calibration_fit(FfpBundle *b, FfpError *err) {
            judge_focal(b, FFP_BUNDLE_PROJECTOR_FOCAL, "projector", err);
 }
 
-bool ffp_self_calibration_run(const FfpSelfCalibration *o, FfpSelfCalibrationStats *stats, FfpError *err) {
-    FfpTracks tracks = {0};
-    if (!check(o, err) || !ffp_cv_available(err) || !ffp_output_probe_folder(o->folder, err) ||
-        !read_all(o, &tracks, err))
-        return false;
-    FfpBundle b = {.tracks = &tracks,
-                   .places = ffp_alloc((size_t)tracks.n_places, sizeof *b.places),
-                   .known = ffp_alloc((size_t)tracks.n_places, sizeof *b.known),
-                   .nearness = ffp_alloc((size_t)tracks.n + 1, sizeof *b.nearness)};
-    if (o->focal_35mm > 0) {
-        b.focal = log(o->focal_35mm / FULL_FRAME * hypot(tracks.width, tracks.height));
-        b.focal_known = FOCAL_KNOWN;
-    }
+static bool run_walk(const FfpSelfCalibration *o, FfpTracks *tracks, FfpSelfCalibrationStats *stats,
+                     FfpError *err) {
+    FfpBundle b = {.tracks = tracks,
+                   .places = ffp_alloc((size_t)tracks->n_places, sizeof *b.places),
+                   .known = ffp_alloc((size_t)tracks->n_places, sizeof *b.known),
+                   .nearness = ffp_alloc((size_t)tracks->n + 1, sizeof *b.nearness),
+                   .focal = ffp_known_focal(o->focal_35mm, tracks)};
     const bool ok =
         ffp_self_calibration_fit(&b, err) &&
         ffp_self_calibration_write(&b, (o->length > 0 ? o->length : 1) / first_step(&b), o->folder, err);
     if (ok && stats) fill_stats(&b, stats);
     ffp_free(b.places), ffp_free(b.known), ffp_free(b.nearness), ffp_free(b.deviation);
+    return ok;
+}
+
+static bool probe(const FfpSelfCalibration *o, FfpError *err) {
+    if (o->n_angles == 0) return ffp_output_probe_folder(o->folder, err);
+    return ffp_output_probe(o->file, err) && ffp_output_probe(o->turntable_file, err);
+}
+
+bool ffp_self_calibration_run(const FfpSelfCalibration *o, FfpSelfCalibrationStats *stats, FfpError *err) {
+    FfpTracks tracks = {0};
+    if (!check(o, err) || !ffp_cv_available(err) || !probe(o, err)) return false;
+    const bool ok = ffp_places_read(o, &tracks, err) &&
+                    (o->n_angles > 0 ? ffp_self_calibration_turntable(o, &tracks, stats, err)
+                                     : run_walk(o, &tracks, stats, err));
     ffp_tracks_free(&tracks);
     return ok;
 }

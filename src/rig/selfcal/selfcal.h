@@ -5,14 +5,35 @@
 #include "core/base/error.h"
 #include "ffprocams.h" // options and results, types alone (engine/pipeline/reconstruct.h says why)
 #include "rig/selfcal/bundle.h"
+#include "rig/selfcal/turning.h"
 
 // The work of ffp_self_calibrate (ffprocams.h). `stats` may be NULL.
 bool ffp_self_calibration_run(const FfpSelfCalibration *options, FfpSelfCalibrationStats *stats,
                               FfpError *err);
 
+// Reads the photographs of all places. A place whose photographs cannot be used gets a problem; errors: of
+// all places, or of what was shown.
+bool ffp_places_read(const FfpSelfCalibration *options, FfpTracks *tracks, FfpError *err);
+
 // All devices of a bundle that has its tracks, told and judged. Errors: ffp_bundle_start's; fewer than two
 // places are left; a focal length that they do not tell.
 bool ffp_self_calibration_fit(FfpBundle *bundle, FfpError *err);
+
+// All of a turntable, likewise; its tracks are told the angles.
+bool ffp_self_calibration_turn(FfpTurning *turning, FfpError *err);
+// The work of ffp_self_calibrate for a turntable whose tracks are read.
+bool ffp_self_calibration_turntable(const FfpSelfCalibration *options, FfpTracks *tracks,
+                                    FfpSelfCalibrationStats *stats, FfpError *err);
+
+// What a lens says of the focal length of photographs of this size.
+FfpKnownFocal ffp_known_focal(double focal_35mm, const FfpTracks *tracks);
+// Whether the focal length found contradicts the one that was known, which then counts no more: fit again,
+// and report it by ffp_tell_known_focal.
+bool ffp_judge_known_focal(FfpKnownFocal *known, double found);
+void ffp_tell_known_focal(const FfpKnownFocal *known, double found);
+// Whether a device's focal length, the logarithm, is certain enough. `doubt` is the rule of one that is
+// nearly so; its advice is the error's too.
+bool ffp_judge_focal(double log_focal, double deviation, const char *device, int doubt, FfpError *err);
 
 // COLMAP's text model in a new folder: cameras.txt (RADIAL), images.txt with a picture for each known place
 // and calib.jpg, which is the projector, and points3D.txt. The world is the first known place's camera; every

@@ -304,12 +304,12 @@ static bool choose_focal(FfpBundle *b, const int pair[2], FfpError *err) {
     double optics[FFP_BUNDLE_OPTICS], rms = 0, least = INFINITY;
     bool *used = ffp_alloc(sightings + 1, sizeof *used), any = false, mirrored = false, done;
     FfpRigid poses[2];
-    for (int g = 0; g < (b->focal_known > 0 ? 1 : GUESSES); g++) {
+    for (int g = 0; g < (b->focal.deviation > 0 ? 1 : GUESSES); g++) {
         for (size_t i = 0; i < sightings; i++) b->tracks->sightings[i].used = true;
         memset(b->nearness, 0, tracks * sizeof *b->nearness);
         memset(b->optics, 0, sizeof b->optics);
         b->optics[FFP_BUNDLE_CAMERA_FOCAL] =
-            b->focal_known > 0 ? b->focal : log(focal_guesses[g] * b->tracks->width);
+            b->focal.deviation > 0 ? b->focal.log : log(focal_guesses[g] * b->tracks->width);
         b->rms = 0;
         bool turned = false;
         if (!try_pair(b, pair, &turned, &done, err)) return ffp_free(used), false;
@@ -336,11 +336,9 @@ static bool choose_focal(FfpBundle *b, const int pair[2], FfpError *err) {
     }
     ffp_free(used);
     if (any) return true;
-    return ffp_fail(
-        err, FFP_ERROR_FILE, NULL, "%s",
-        mirrored ? "the codes show the scene's mirror image: the pictures are mirrored, or the coarsest "
-                   "code of the columns or of the rows has changed places with its inverse"
-                 : "no place of projector and camera explains the positions that the codes give");
+    return ffp_fail(err, FFP_ERROR_FILE, NULL, "%s",
+                    mirrored ? FFP_MIRRORED_CODES
+                             : "no place of projector and camera explains the positions that the codes give");
 }
 
 // --- Every other place. ---
@@ -434,7 +432,7 @@ static bool check_plane(const FfpBundle *b, FfpError *err) {
 bool ffp_bundle_start(FfpBundle *b, FfpError *err) {
     int pair[2];
     b->optics[FFP_BUNDLE_CAMERA_FOCAL] =
-        b->focal_known > 0 ? b->focal : log(focal_guesses[0] * b->tracks->width);
+        b->focal.deviation > 0 ? b->focal.log : log(focal_guesses[0] * b->tracks->width);
     if (!best_pair(b, pair, err)) return false;
     if (pair[0] < 0)
         return ffp_fail(

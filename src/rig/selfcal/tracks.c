@@ -1,4 +1,5 @@
 #include <math.h>
+#include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 #include "rig/selfcal/places.h"
@@ -32,8 +33,9 @@ static void add_pixel(const Grid *grid, const real *position, double x, double y
     s->xx += x * x, s->yy += y * y, s->light += light;
 }
 
-// One coordinate over (u, v): its value at the spot, and the sum of squares about the plane.
-static double plane_at(const Spot *s, double mean, double ux, double vx, double square, double *left) {
+// One coordinate over (u, v): its value at the spot, its slopes, and the mean square about the plane.
+static double plane_at(const Spot *s, double mean, double ux, double vx, double square, double slope[2],
+                       double *left) {
     const double uu = s->uu / s->n - s->u * s->u / (s->n * s->n),
                  uv = s->uv / s->n - s->u * s->v / (s->n * s->n),
                  vv = s->vv / s->n - s->v * s->v / (s->n * s->n);
@@ -41,18 +43,19 @@ static double plane_at(const Spot *s, double mean, double ux, double vx, double 
     const double determinant = uu * vv - uv * uv;
     const double du = (a * vv - b * uv) / determinant, dv = (b * uu - a * uv) / determinant;
     *left = square / s->n - mean * mean - du * a - dv * b;
+    slope[0] = du, slope[1] = dv;
     return mean - du * s->u / s->n - dv * s->v / s->n;
 }
 
 // Where the spot is in the map; false where its pixels do not lie around it on one surface.
-static bool place_spot(const Grid *grid, const Spot *s, double at[2]) {
+static bool place_spot(const Grid *grid, const Spot *s, double at[2], double slope[4]) {
     double left[2];
     if (s->n < PIXELS_LEAST || hypot(s->u, s->v) > OFF_CENTRE * grid->radius * s->n) return false;
     const double uu = s->uu - s->u * s->u / s->n, uv = s->uv - s->u * s->v / s->n,
                  vv = s->vv - s->v * s->v / s->n;
     if (!(uu * vv - uv * uv > 0.1 * uu * vv)) return false; // all on a line
-    at[0] = plane_at(s, s->x / s->n, s->ux, s->vx, s->xx, &left[0]);
-    at[1] = plane_at(s, s->y / s->n, s->uy, s->vy, s->yy, &left[1]);
+    at[0] = plane_at(s, s->x / s->n, s->ux, s->vx, s->xx, slope, &left[0]);
+    at[1] = plane_at(s, s->y / s->n, s->uy, s->vy, s->yy, slope + 2, &left[1]);
     return left[0] + left[1] < UNEVEN * UNEVEN;
 }
 
@@ -80,60 +83,72 @@ static void add_map(const Grid *grid, const FfpImage *map, const FfpImage *white
         }
 }
 
-// What one place sees of the grid: [rows * columns][3], x, y and light; NAN: nothing.
-static void look(const Grid *grid, const FfpImage *map, const FfpImage *white, int shrink,
-                 double (*seen)[3]) {
+typedef struct Seen { // of a spot, by one place
+    double at[2], slope[4], light;
+    bool there;
+} Seen;
+
+// What one place sees of the grid: [rows * columns].
+static void look(const Grid *grid, const FfpImage *map, const FfpImage *white, int shrink, Seen *seen) {
     const size_t spots = (size_t)grid->columns * (size_t)grid->rows;
-    for (size_t i = 0; i < spots; i++) seen[i][0] = NAN;
     if (!map->data) return;
     add_map(grid, map, white);
     for (size_t i = 0; i < spots; i++) {
         const Spot *s = &grid->spots[i];
-        double at[2];
-        if (!place_spot(grid, s, at)) continue;
-        seen[i][0] = (at[0] + 0.5 * map->width) * shrink, seen[i][1] = (at[1] + 0.5 * map->height) * shrink;
-        seen[i][2] = s->light / s->n;
+        Seen *to = &seen[i];
+        to->there = place_spot(grid, s, to->at, to->slope);
+        if (!to->there) continue;
+        to->at[0] = (to->at[0] + 0.5 * map->width) * shrink;
+        to->at[1] = (to->at[1] + 0.5 * map->height) * shrink;
+        for (int k = 0; k < 4; k++) to->slope[k] *= shrink;
+        to->light = s->light / s->n;
     }
 }
 
-static void add_track(FfpTracks *out, const Grid *grid, double (*const *seen)[3], size_t spot) {
+static void add_track(FfpTracks *out, const Grid *grid, Seen *const *seen, size_t spot) {
     FfpTrack *track = &out->tracks[out->n];
     double light = 0;
+    out->grid[spot] = -1;
     *track = (FfpTrack){.panel = {((double)(spot % (size_t)grid->columns) + 0.5) * grid->pitch,
                                   ((double)(spot / (size_t)grid->columns) + 0.5) * grid->pitch},
                         .first = out->n_sightings};
     for (int p = 0; p < out->n_places; p++) {
-        const double *at = seen[p][spot];
-        if (isnan(at[0])) continue;
-        out->sightings[out->n_sightings++] = (FfpSighting){p, true, {at[0], at[1]}};
+        const Seen *s = &seen[p][spot];
+        if (!s->there) continue;
+        FfpSighting *sighting = &out->sightings[out->n_sightings++];
+        *sighting = (FfpSighting){.place = p, .used = true, .light = (float)s->light};
+        memcpy(sighting->at, s->at, sizeof s->at), memcpy(sighting->slope, s->slope, sizeof s->slope);
         out->places[p].seen++;
-        light += at[2];
+        light += s->light;
         track->n++;
     }
     if (track->n == 0) return;
     track->light = (float)(light / track->n);
-    out->n++;
+    out->grid[spot] = out->n++;
 }
 
 void ffp_tracks_find(FfpTracks *tracks, const FfpImage *maps, const FfpImage *whites, int shrink,
                      double step) {
     const Grid grid = grid_new(tracks, step);
     const size_t spots = (size_t)grid.columns * (size_t)grid.rows;
-    double(**seen)[3] = ffp_alloc((size_t)tracks->n_places, sizeof *seen);
+    Seen **seen = ffp_alloc((size_t)tracks->n_places, sizeof *seen);
     for (int p = 0; p < tracks->n_places; p++) {
         seen[p] = ffp_alloc(spots, sizeof **seen);
         look(&grid, &maps[p], &whites[p], shrink, seen[p]);
         ffp_cancel_point();
     }
+    tracks->columns = grid.columns, tracks->rows = grid.rows, tracks->pitch = grid.pitch;
+    tracks->grid = ffp_alloc(spots, sizeof *tracks->grid);
     tracks->tracks = ffp_alloc(spots, sizeof *tracks->tracks);
     tracks->sightings = ffp_alloc(spots * (size_t)tracks->n_places, sizeof *tracks->sightings);
     for (size_t i = 0; i < spots; i++) add_track(tracks, &grid, seen, i);
     for (int p = 0; p < tracks->n_places; p++) ffp_free(seen[p]);
-    ffp_free((void *)seen);
+    ffp_free(seen);
     ffp_free(grid.spots);
 }
 
 void ffp_tracks_free(FfpTracks *tracks) {
     ffp_free(tracks->places), ffp_free(tracks->tracks), ffp_free(tracks->sightings);
+    ffp_free(tracks->grid);
     *tracks = (FfpTracks){0};
 }

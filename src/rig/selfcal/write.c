@@ -1,5 +1,6 @@
 // What was found as COLMAP has it.
 #include <math.h>
+#include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/file.h"
 #include "rig/optics/colmap_write.h"
@@ -28,24 +29,18 @@ static FfpRigid in_world(const World *world, const FfpRigid *pose) {
     return out;
 }
 
+static FfpOptics optics_of(const FfpBundleDevice *d, int width, int height) {
+    FfpOptics optics = {width, height, d->fx, d->fy, d->x, d->y, {0}};
+    memcpy(optics.lens, d->lens, sizeof optics.lens);
+    return optics;
+}
+
 static void set_devices(const FfpBundle *b, FfpOptics devices[DEVICES]) {
-    const double *o = b->optics;
     const FfpTracks *t = b->tracks;
-    const double camera = exp(o[FFP_BUNDLE_CAMERA_FOCAL]), projector = exp(o[FFP_BUNDLE_PROJECTOR_FOCAL]);
-    devices[0] = (FfpOptics){t->width,
-                             t->height,
-                             camera,
-                             camera,
-                             (0.5 + o[FFP_BUNDLE_CAMERA_X]) * t->width,
-                             0.5 * t->height + o[FFP_BUNDLE_CAMERA_Y] * t->width,
-                             {o[FFP_BUNDLE_CAMERA_K1], o[FFP_BUNDLE_CAMERA_K2]}};
-    devices[1] = (FfpOptics){t->panel_width,
-                             t->panel_height,
-                             projector,
-                             projector,
-                             (0.5 + o[FFP_BUNDLE_PROJECTOR_X]) * t->panel_width,
-                             0.5 * t->panel_height + o[FFP_BUNDLE_PROJECTOR_Y] * t->panel_width,
-                             {o[FFP_BUNDLE_PROJECTOR_K1]}};
+    const FfpBundleDevice camera = ffp_bundle_camera(t, b->optics),
+                          projector = ffp_bundle_projector(t, b->optics);
+    devices[0] = optics_of(&camera, t->width, t->height);
+    devices[1] = optics_of(&projector, t->panel_width, t->panel_height);
 }
 
 // A picture for each known place, and the projector's; their number.

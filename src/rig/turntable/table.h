@@ -12,6 +12,7 @@ typedef struct FfpTableFit {
     FfpAxis axis;   // camera coordinates, the square's unit; points up in the picture
     bool reversed;  // the angles given are left-handed about it
     double zero[3]; // from the axis to the board's middle at angle 0, unit vector; all 0: they are too near
+    bool of_object; // the angles are of the stops of an object, and not of a board
     int n;          // stops
     const double *angles;   // [n] degrees, as given
     FfpAttitude *attitudes; // [n]; camera alone; owned

@@ -94,8 +94,7 @@ static FfpBundle new_bundle(const FfpTracks *t, const Walk *walk) {
                        .places = ffp_alloc(PLACES, sizeof(FfpRigid)),
                        .known = ffp_alloc(PLACES, sizeof(bool)),
                        .nearness = ffp_alloc((size_t)t->n, sizeof(double)),
-                       .focal = walk->lens > 0 ? log(walk->lens) : 0,
-                       .focal_known = walk->lens > 0 ? 0.03 : 0};
+                       .focal = {walk->lens > 0 ? log(walk->lens) : 0, walk->lens > 0 ? 0.03 : 0}};
 }
 
 static void free_bundle(FfpBundle *b, FfpTracks *t) {

@@ -1,0 +1,114 @@
+// From the photographs of each place to what it sees of the panel.
+#include <math.h>
+#include <stdio.h>
+#include "core/base/alloc.h"
+#include "core/base/log.h"
+#include "core/image/photograph.h"
+#include "rig/graycode/graycode.h"
+#include "rig/selfcal/selfcal.h"
+#include "rig/shots/folders.h"
+
+#define PIXELS_LEFT 1.5 // of a photograph to one of the panel, along a side: more is averaged when read
+
+typedef struct Reading {
+    FfpTracks *tracks;
+    FfpShotFolders folders;
+    FfpImage *maps;   // [n]
+    FfpImage *whites; // [n] as they look, [h,w,1]
+    int shrink;
+    double step;
+} Reading;
+
+// Errors of one place's photographs leave it out; all others end the call.
+static bool leave_out(FfpCameraPlace *place, const FfpError *error, FfpError *err) {
+    if (error->code == FFP_ERROR_FILE || error->code == FFP_ERROR_IO ||
+        error->code == FFP_ERROR_UNSUPPORTED) {
+        snprintf(place->problem, sizeof place->problem, "%s", error->text);
+        return true;
+    }
+    if (err) *err = *error;
+    return false;
+}
+
+static bool read_place(Reading *r, int index, FfpError *err) {
+    const FfpShotFolder *folder = &r->folders.folders[index];
+    FfpCameraPlace *place = &r->tracks->places[index];
+    FfpGrayCache cache = {.n = 0}; // each photograph is read once
+    FfpGrayPhotographs photographs = {.width = r->tracks->panel_width,
+                                      .height = r->tracks->panel_height,
+                                      .shrink = r->shrink,
+                                      .cache = &cache};
+    FfpGrayReport report;
+    FfpError error = {0};
+    int width, height;
+    snprintf(place->name, sizeof place->name, "%s", folder->name);
+    if (folder->problem) snprintf(place->problem, sizeof place->problem, "%s", folder->problem);
+    if (place->problem[0]) return true;
+    if (!ffp_photograph_read_size(&width, &height, folder->files[0], &error))
+        return leave_out(place, &error, err);
+    if (width != r->tracks->width || height != r->tracks->height) {
+        snprintf(place->problem, sizeof place->problem,
+                 "its photographs are %d x %d, those of the others %d x %d", width, height, r->tracks->width,
+                 r->tracks->height);
+        return true;
+    }
+    const bool ok = ffp_gray_find_plain(&photographs, folder->files, folder->n_files, &error) &&
+                    ffp_gray_decode_view(&r->maps[index], &report, &photographs, &error);
+    for (int i = 0; i < cache.n && !r->whites[index].data; i++) {
+        r->whites[index] = cache.files[i].luma;
+        cache.files[i].luma = (FfpImage){0};
+    }
+    ffp_gray_cache_free(&cache);
+    if (!ok) return leave_out(place, &error, err);
+    ffp_note("%s: codes read at %.0f %% of the lit pixels", place->name, 100.0 * report.decoded / report.lit);
+    r->step = fmax(r->step, report.step);
+    return true;
+}
+
+static bool read_sizes(Reading *r, FfpError *err) {
+    FfpTracks *t = r->tracks;
+    for (int i = 0; i < r->folders.n; i++)
+        if (!r->folders.folders[i].problem && r->folders.folders[i].n_files > 0) {
+            if (!ffp_photograph_read_size(&t->width, &t->height, r->folders.folders[i].files[0], err))
+                return false;
+            const double over =
+                sqrt((double)t->width * t->height / ((double)t->panel_width * t->panel_height));
+            for (r->shrink = 1; r->shrink < 8 && over / (2 * r->shrink) >= PIXELS_LEFT;) r->shrink *= 2;
+            return true;
+        }
+    return ffp_fail(err, FFP_ERROR_FILE, NULL, "%s: %s", r->folders.folders[0].name,
+                    r->folders.folders[0].problem);
+}
+
+static bool read_places(Reading *r, FfpError *err) {
+    FfpTracks *t = r->tracks;
+    const int n = r->folders.n;
+    if (n > FFP_PLACES_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "places", "%d are more than %d", n, FFP_PLACES_MAX);
+    t->n_places = n;
+    t->places = ffp_alloc((size_t)n, sizeof *t->places);
+    r->maps = ffp_alloc((size_t)n, sizeof *r->maps);
+    r->whites = ffp_alloc((size_t)n, sizeof *r->whites);
+    const FfpTask task = ffp_task("reading places", n);
+    bool ok = read_sizes(r, err);
+    for (int i = 0; ok && i < n; i++) {
+        ok = read_place(r, i, err);
+        ffp_task_step(&task, i + 1, t->places[i].name);
+    }
+    ffp_task_end(&task);
+    if (ok) ffp_tracks_find(t, r->maps, r->whites, r->shrink, r->step);
+    for (int i = 0; i < n; i++) ffp_image_free(&r->maps[i]), ffp_image_free(&r->whites[i]);
+    ffp_free(r->maps), ffp_free(r->whites);
+    return ok;
+}
+
+bool ffp_places_read(const FfpSelfCalibration *o, FfpTracks *tracks, FfpError *err) {
+    Reading r = {.tracks = tracks, .shrink = 1};
+    tracks->panel_width = o->width, tracks->panel_height = o->height;
+    bool ok = ffp_shot_folders_find(&r.folders, o->places, o->n_places, err) &&
+              (!o->shown || ffp_shot_folders_take(&r.folders, o->shown, &tracks->panel_width,
+                                                  &tracks->panel_height, err)) &&
+              read_places(&r, err);
+    ffp_shot_folders_free(&r.folders);
+    return ok;
+}

@@ -1,0 +1,196 @@
+// A turntable without a board, from what its stops see to files.
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "core/base/alloc.h"
+#include "core/base/log.h"
+#include "core/numerics/rank.h"
+#include "rig/calibrate/calibrate.h"
+#include "rig/findings/tell.h"
+#include "rig/selfcal/selfcal.h"
+
+enum { STOPS_LEAST = 3, ROUNDS = 8, STEPS = 8, FEW_SIGHTINGS = 2000, FIT_SIGHTINGS = 8000 };
+#define ANGLES_OFF 2.0  // degrees: deviation of an angle that is given
+#define SCALE_FIRST 2.0 // pixels
+#define SCALE_LEAST 0.5 // pixels
+#define SCALE_MEDIANS 3.0
+#define AGREES_LEAST 0.4 // of what the median stop has, of a stop's points that are seen where they turn to
+#define SETTLED 1e-4     // by which a focal length moves when there is nothing more to gain
+#define TILT_OPEN 3.0    // degrees, the axis' deviation
+
+// --- Fitting. ---
+
+static void fit_well(FfpTurning *t) {
+    const int few = t->tracks->n_sightings / FEW_SIGHTINGS + 1,
+              all = t->tracks->n_sightings / FIT_SIGHTINGS + 1;
+    double before = INFINITY, scale = SCALE_FIRST;
+    for (int round = 0; round < ROUNDS; round++) {
+        ffp_turning_fit(t, few, scale, STEPS, false);
+        scale = fmax(SCALE_MEDIANS * t->surface, SCALE_LEAST);
+        const double now = t->optics[FFP_BUNDLE_CAMERA_FOCAL];
+        if (fabs(now - before) < SETTLED) break;
+        before = now;
+    }
+    ffp_turning_fit(t, all, scale, STEPS, false);
+    ffp_turning_fit(t, all, scale, STEPS, true);
+}
+
+// Leaves out stops whose surface is not where the others turn to; whether there are any.
+static bool drop_stops(FfpTurning *t) {
+    const FfpTracks *tracks = t->tracks;
+    double shares[FFP_PLACES_MAX];
+    real sorted[FFP_PLACES_MAX];
+    size_t n = 0;
+    ffp_turning_agreement(t, fmax(SCALE_MEDIANS * t->surface, SCALE_LEAST), shares);
+    for (int p = 0; p < tracks->n_places; p++)
+        if (shares[p] >= 0) sorted[n++] = (real)shares[p];
+    const double usual = n > 0 ? (double)ffp_median(sorted, n) : 0;
+    bool any = false;
+    for (int p = 0; p < tracks->n_places; p++) {
+        if (shares[p] < 0 || shares[p] >= AGREES_LEAST * usual) continue;
+        any = true;
+        snprintf(tracks->places[p].problem, sizeof tracks->places[p].problem,
+                 "of what it and the stops beside it see, %.0f %% agree, and elsewhere %.0f %%: its angle is "
+                 "another, or the object, the camera or the projector moved",
+                 100 * shares[p], 100 * usual);
+    }
+    if (any) ffp_turning_set_stops(t);
+    return any;
+}
+
+static int stops_used(const FfpTracks *t) {
+    int n = 0;
+    for (int p = 0; p < t->n_places; p++) n += t->places[p].problem[0] == 0;
+    return n;
+}
+
+static bool check_stops(const FfpTracks *t, FfpError *err) {
+    for (int p = 0; p < t->n_places; p++)
+        if (t->places[p].problem[0])
+            ffp_tell(FFP_RULE_STOP_LEFT_OUT,
+                     &(FfpFacts){.view = t->places[p].name, .a = t->places[p].problem});
+    return stops_used(t) >= STOPS_LEAST ||
+           ffp_fail(err, FFP_ERROR_FILE, NULL, "fewer than %d stops of the turntable can be used",
+                    STOPS_LEAST);
+}
+
+// Up in the picture.
+static void orient(FfpTurning *t) {
+    if (t->axis.direction[1] <= 0) return;
+    for (int k = 0; k < 3; k++) t->axis.direction[k] = -t->axis.direction[k];
+    for (int p = 0; p < t->tracks->n_places; p++) t->off[p] = -t->off[p];
+    t->reversed = !t->reversed;
+}
+
+// The axis' point to where the object is.
+static void settle_point(FfpTurning *t) {
+    const int n = t->tracks->n_sightings;
+    real *along = ffp_alloc((size_t)n + 1, sizeof *along);
+    size_t found = 0;
+    for (int i = 0; i < n; i++) {
+        double point[3];
+        if (!ffp_turning_point(t, i, point)) continue;
+        for (int k = 0; k < 3; k++) point[k] -= t->axis.point[k];
+        along[found++] = (real)ffp_dot(point, t->axis.direction);
+    }
+    const double by = found > 0 ? (double)ffp_median(along, found) : 0;
+    for (int k = 0; k < 3; k++) t->axis.point[k] += by * t->axis.direction[k];
+    ffp_free(along);
+}
+
+bool ffp_self_calibration_turn(FfpTurning *t, FfpError *err) {
+    ffp_turning_drop_still(t);
+    if (stops_used(t->tracks) < STOPS_LEAST) return check_stops(t->tracks, err);
+    if (!ffp_turning_start(t, err)) return false;
+    t->angles_known = ANGLES_OFF * FFP_PI_DOUBLE / 180;
+    fit_well(t);
+    if (drop_stops(t) && stops_used(t->tracks) >= STOPS_LEAST) fit_well(t);
+    if (!check_stops(t->tracks, err)) return false;
+    if (ffp_judge_known_focal(&t->focal, t->optics[FFP_BUNDLE_CAMERA_FOCAL])) {
+        fit_well(t);
+        ffp_tell_known_focal(&t->focal, t->optics[FFP_BUNDLE_CAMERA_FOCAL]);
+    }
+    orient(t);
+    settle_point(t);
+    if (!(t->tilt * 180 / FFP_PI_DOUBLE < TILT_OPEN))
+        return ffp_fail(err, FFP_ERROR_FILE, NULL,
+                        "the photographs do not determine the turntable's axis (uncertain by %.2g degrees): "
+                        "the object looks nearly the same about many axes, or the stops are too few",
+                        fmin(t->tilt * 180 / FFP_PI_DOUBLE, 180));
+    return ffp_judge_focal(t->optics[FFP_BUNDLE_CAMERA_FOCAL], t->deviation[FFP_BUNDLE_CAMERA_FOCAL],
+                           "camera", FFP_RULE_STOPS_FOCAL, err) &&
+           ffp_judge_focal(t->optics[FFP_BUNDLE_PROJECTOR_FOCAL], t->deviation[FFP_BUNDLE_PROJECTOR_FOCAL],
+                           "projector", FFP_RULE_STOPS_FOCAL, err);
+}
+
+// --- Files. ---
+
+// The angle of a stop as it was found, degrees.
+static double angle_found(const FfpTurning *t, int stop) {
+    return (t->given[stop] + (t->reversed ? -1 : 1) * t->off[stop]) * 180 / FFP_PI_DOUBLE;
+}
+
+static bool write(const FfpTurning *t, const FfpSelfCalibration *o, FfpError *err) {
+    FfpRigFit *fit = ffp_alloc(1, sizeof *fit);
+    FfpTableFit *table = ffp_alloc(1, sizeof *table);
+    double *angles = ffp_alloc((size_t)t->tracks->n_places, sizeof *angles);
+    const double unit = o->length > 0 ? o->length : 1;
+    FfpRigid back;
+    ffp_rigid_inverse(&t->camera, &back);
+    memcpy(fit->r, back.r, sizeof fit->r);
+    for (int k = 0; k < 3; k++) fit->t[k] = unit * back.t[k];
+    fit->rms = fit->devices[0].rms = t->rms;
+    ffp_optics_to_cv(t->tracks, t->optics, t->deviation, fit->devices);
+    table->axis = t->axis;
+    for (int k = 0; k < 3; k++) table->axis.point[k] *= unit;
+    table->reversed = t->reversed;
+    table->n = t->tracks->n_places;
+    for (int p = 0; p < table->n; p++) angles[p] = angle_found(t, p);
+    table->of_object = true, table->angles = angles;
+    table->rms = t->surface, table->tilt = t->tilt * 180 / FFP_PI_DOUBLE;
+    table->shift = t->shift * unit * sqrt(ffp_dot(t->axis.point, t->axis.point));
+    const bool ok =
+        ffp_write_calibration(fit, o->file, err) && ffp_write_table(table, o->turntable_file, err);
+    ffp_free(angles), ffp_free(table), ffp_free(fit);
+    return ok;
+}
+
+static void fill(const FfpTurning *t, const FfpSelfCalibration *o, FfpSelfCalibrationStats *s) {
+    const double unit = o->length > 0 ? o->length : 1;
+    *s = (FfpSelfCalibrationStats){.places = t->tracks->n_places,
+                                   .used = stops_used(t->tracks),
+                                   .rms = t->rms,
+                                   .camera_focal = exp(t->optics[FFP_BUNDLE_CAMERA_FOCAL]),
+                                   .camera_uncertain = t->deviation[FFP_BUNDLE_CAMERA_FOCAL],
+                                   .projector_focal = exp(t->optics[FFP_BUNDLE_PROJECTOR_FOCAL]),
+                                   .projector_uncertain = t->deviation[FFP_BUNDLE_PROJECTOR_FOCAL],
+                                   .has_axis = true,
+                                   .reversed = t->reversed,
+                                   .tilt = t->tilt * 180 / FFP_PI_DOUBLE,
+                                   .shift = t->shift,
+                                   .surface = t->surface,
+                                   .parallax = ffp_turning_parallax(t)};
+    for (int i = 0; i < t->tracks->n_sightings; i++) s->points += t->nearness[i] > 0;
+    for (int k = 0; k < 3; k++) s->axis[k] = t->axis.direction[k], s->point[k] = unit * t->axis.point[k];
+    double turn = 0;
+    for (int k = 0; k < 3; k++) turn = fmax(turn, t->deviation[FFP_BUNDLE_OPTICS + k]);
+    s->turn_uncertain = turn * 180 / FFP_PI_DOUBLE;
+    for (int p = 0; p < t->tracks->n_places; p++)
+        s->angle_off = fmax(s->angle_off, fabs(t->off[p]) * 180 / FFP_PI_DOUBLE);
+}
+
+bool ffp_self_calibration_turntable(const FfpSelfCalibration *o, FfpTracks *tracks,
+                                    FfpSelfCalibrationStats *stats, FfpError *err) {
+    if (o->n_angles != tracks->n_places)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "angles", "%d angles, but %d folders of stops", o->n_angles,
+                        tracks->n_places);
+    double *radians = ffp_alloc((size_t)o->n_angles, sizeof *radians);
+    for (int i = 0; i < o->n_angles; i++) radians[i] = o->angles[i] * FFP_PI_DOUBLE / 180;
+    FfpTurning t = ffp_turning_new(tracks, radians);
+    t.focal = ffp_known_focal(o->focal_35mm, tracks);
+    const bool ok = ffp_self_calibration_turn(&t, err) && write(&t, o, err);
+    if (ok && stats) fill(&t, o, stats);
+    ffp_turning_free(&t);
+    ffp_free(radians);
+    return ok;
+}
