@@ -6,6 +6,7 @@
 #include "core/base/call.h"
 #include "core/base/file.h"
 #include "core/image/photograph.h"
+#include "core/numerics/rank.h"
 #include "rig/findings/tell.h"
 #include "rig/graycode/decoder.h"
 #include "rig/graycode/edges.h"
@@ -14,7 +15,10 @@ enum { LEVELS = 1024 };
 
 #define LIGHT_LEAST 0.003 // linear, that white adds to black where a code can be read
 #define LIGHT_SHARE 0.02  // and of what it adds typically
+#define DIM 2.0           // times the least light that is typical where codes can be read
 #define LIT_LEAST 64      // pixels
+#define NOISE_SHARE 0.1   // of the pixels, by which white must be the darker one where noise counts
+#define NOISES 4.0        // deviations of the noise that are light
 #define BRIGHT 0.25       // of the typical light: pixels that checks are made on
 #define CLIPPED 0.98      // linear
 #define OVEREXPOSED 0.5   // under black, typically: nothing can be told
@@ -102,11 +106,24 @@ static bool tell_dark(const FfpGrayDecoder *d, FfpError *err) {
     return ffp_gray_fail_dark(black, added, d->from->white, err);
 }
 
-// The light by which pixels are typical, over those that have any and are looked at.
-static double typical_light(const FfpGrayDecoder *d) {
+// What is more than noise: white is darker than black by nothing else (the median of a normal distribution's
+// side lies at 0.67 deviations).
+static double least_light(const FfpGrayDecoder *d) {
+    real *darker = ffp_alloc(d->pixels + 1, sizeof *darker);
+    size_t n = 0;
+    for (size_t i = 0; i < d->pixels; i++)
+        if (d->light[i] < 0) darker[n++] = (real)-d->light[i];
+    const double noise =
+        (double)n >= NOISE_SHARE * (double)d->pixels ? (double)ffp_median(darker, n) / 0.67 : 0;
+    ffp_free(darker);
+    return fmax(LIGHT_LEAST, NOISES * noise);
+}
+
+// The light by which pixels are typical, over those that have as much as `least` and are looked at.
+static double typical_light(const FfpGrayDecoder *d, double least) {
     double sum = 0, count = 0;
     for (size_t i = 0; i < d->pixels; i++)
-        if (looked_at(d, i) && (double)d->light[i] >= LIGHT_LEAST) sum += (double)d->light[i], count++;
+        if (looked_at(d, i) && (double)d->light[i] >= least) sum += (double)d->light[i], count++;
     return sum / fmax(count, 1);
 }
 
@@ -124,11 +141,13 @@ bool ffp_gray_find_light(FfpGrayDecoder *d, FfpError *err) {
         d->checked[i] = (double)d->light[i] >= CLIPPED;
         d->light[i] -= d->black[i];
     }
-    const double typical = typical_light(d), least = fmax(LIGHT_LEAST, LIGHT_SHARE * typical);
-    if (!(typical > 0)) return tell_dark(d, err);
+    double least = least_light(d);
+    const double typical = typical_light(d, least);
+    if (!(typical > DIM * least)) return tell_dark(d, err);
+    least = fmax(least, LIGHT_SHARE * typical);
     for (size_t i = 0; i < d->pixels; i++) {
         const bool full = d->checked[i];
-        d->checked[i] = looked_at(d, i) && (double)d->light[i] >= BRIGHT * typical;
+        d->checked[i] = looked_at(d, i) && (double)d->light[i] >= fmax(least, BRIGHT * typical);
         checked += d->checked[i], clipped += d->checked[i] && full;
         if (looked_at(d, i) && (double)d->light[i] >= least)
             d->report->lit++;

@@ -459,6 +459,41 @@ static void test_linear_photographs(void **state) {
     assert_non_null(strstr(err.text, "hold linear light, not sRGB"));
 }
 
+// A dark object in a dark room, with a camera's noise in it and around it, and nobody says where it is.
+static void test_noisy_photographs(void **state) {
+    (void)state;
+    enum { FILES = 2 + 2 * 16 };
+    static char paths[FILES][300];
+    const char *files[FILES];
+    const int n = 2 + ffp_gray_photographs(PANEL_WIDTH, PANEL_HEIGHT);
+    FfpRng rng = ffp_rng(11, 3);
+    assert_true(n <= FILES && ffp_make_folders(in_scratch("noise"), NULL));
+    for (int i = 0; i < n; i++) {
+        FfpImage image;
+        char from[32];
+        snprintf(from, sizeof from, i == 0 ? "black.png" : i == 1 ? "white.png" : "photos/%03d.png", i - 2);
+        assert_true(ffp_image_read_over_black(&image, NULL, in_scratch(from), NULL));
+        for (int k = 0; k < 3 * image.width * image.height; k++)
+            image.data[k] =
+                (real)fmax(0, 0.02 + 0.1 * (double)image.data[k] + 0.005 * (double)ffp_rng_normal(&rng));
+        ffp_image_to_srgb(&image);
+        snprintf(from, sizeof from, "noise/%03d.png", i);
+        snprintf(paths[i], sizeof paths[i], "%s", in_scratch(from));
+        files[i] = paths[i];
+        assert_true(ffp_image_write_png(&image, paths[i], NULL));
+        ffp_image_free(&image);
+    }
+    FfpGrayPhotographs photographs = {.width = PANEL_WIDTH, .height = PANEL_HEIGHT};
+    FfpGrayReport report;
+    FfpImage map;
+    if (!ffp_gray_find_plain(&photographs, files, n, &err) ||
+        !ffp_gray_decode_view(&map, &report, &photographs, &err))
+        fail_msg("%s", err.text);
+    printf("%d of %d lit pixels have a position\n", report.decoded, report.lit);
+    assert_true(report.decoded > 0.8 * report.lit);
+    ffp_image_free(&map);
+}
+
 static void enlarge(const char *from, const char *to, int times) {
     FfpImage small, large;
     char path[300];
@@ -928,6 +963,7 @@ int main(void) {
         cmocka_unit_test(test_a_doubtful_stop_is_left_out),
         cmocka_unit_test(test_missing_photographs),
         cmocka_unit_test(test_linear_photographs),
+        cmocka_unit_test(test_noisy_photographs),
         cmocka_unit_test(test_large_photographs),
         cmocka_unit_test(test_codes_for_fits),
         cmocka_unit_test(test_as_shown),
