@@ -186,6 +186,9 @@ static int run(void *data) {
     if (arguments->without_board) return run_without_board(arguments);
     if (rig->columns == 0 || rig->square == 0)
         return ffp_cli_usage("calibrate", "--board and --square are required, or --without-board");
+    if (!rig->turntable_board && (arguments->angles.count > 0 || rig->turntable_file))
+        return ffp_cli_usage("calibrate", "%s requires --turntable-board, or --without-board",
+                             rig->turntable_file ? "--turntable-output" : "--angles");
     const bool by_default = rig->width == 0 && !rig->shown && !rig->seen;
     if (by_default) {
         const FfpRigCalibration defaults = ffp_rig_calibration_defaults();
