@@ -53,7 +53,8 @@ FfpKind ffp_file_kind(const char *path) {
     fclose(stream);
     if (size > 8 && head[7] == 0 && head[8] == '{') // the header's length before it
         return is_field(head, size) ? FFP_KIND_FIELD : FFP_KIND_WEIGHTS;
-    if (begins(head, size, "ply", 3) && size > 3 && memchr(" \t\r\n", head[3], 4)) return FFP_KIND_PLY;
+    if (begins(head, size, "ply", 3) && size > 3 && head[3] != 0 && strchr(" \t\r\n", head[3]))
+        return FFP_KIND_PLY;
     if (begins(head, size, "\x1f\x8b", 2) || begins(head, size, "NGSP", 4)) return FFP_KIND_SPZ;
     if (begins(head, size, "glTF", 4) || (is_json(head, size) && ends_with(path, ".gltf")))
         return FFP_KIND_GLTF;

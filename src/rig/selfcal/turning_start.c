@@ -16,6 +16,7 @@ enum { CANDIDATES = 48, WAVE = 12, FINALISTS = 4, OF_ONE = 6, SHORT_STEPS = 4 };
 #define INSIDE_SHARE 0.6 // of what the best optics explain
 #define COARSE 0.15      // scale of a first look, in the spread of the object in the picture
 #define MIDDLE 0.5       // of that: where most candidates are given up
+#define LEVEL 1.7        // from one scale to the next
 #define FINE 2.0         // pixels
 #define SAME 0.94        // cosine: 20 degrees
 #define SURE 0.6         // disagreement below which no more are tried
@@ -235,8 +236,9 @@ static void take(FfpTurning *t, const Candidate *c) {
 static void polish(FfpTurning *t, Candidate *c, double from, double to) {
     const int stride = t->tracks->n_sightings / SHORT + 1;
     take(t, c);
-    for (double s = from; s > to; s *= 0.6) ffp_turning_fit(t, stride, s, SHORT_STEPS, false);
-    ffp_turning_fit(t, stride, to, SHORT_STEPS, false);
+    const int levels = (int)ceil(log(fmax(from / to, 1)) / log(LEVEL));
+    for (int i = 0; i <= levels; i++)
+        ffp_turning_fit(t, stride, fmax(from * pow(LEVEL, -i), to), SHORT_STEPS, false);
     c->cost = ffp_turning_disagreement(t, stride, to);
     memcpy(c->optics, t->optics, sizeof c->optics);
     c->camera = t->camera, c->axis = t->axis;

@@ -15,6 +15,7 @@
     if (!ffp_cv_available(NULL)) skip()
 
 enum { WIDTH = 640, HEIGHT = 480, PANEL_WIDTH = 800, PANEL_HEIGHT = 500, STOPS = 8, PITCH = 11 };
+enum { MARCH = 120 };
 enum { COLUMNS = PANEL_WIDTH / PITCH, ROWS = (PANEL_HEIGHT + PITCH - 1) / PITCH };
 #define NOISE 0.05 // pixels
 #define CAMERA 760.0
@@ -81,14 +82,15 @@ static double outside(const Table *table, int stop, const double x[3]) {
 // Where a ray first meets it.
 static bool meet(const Table *table, int stop, const double from[3], const double ray[3], double x[3]) {
     double before = 0;
-    for (double s = 1.2; s < 3.6; s += STEP) {
+    for (int i = 0; i < MARCH; i++) {
+        const double s = 1.2 + i * STEP;
         for (int k = 0; k < 3; k++) x[k] = from[k] + s * ray[k];
         if (outside(table, stop, x) > 0) {
             before = s;
             continue;
         }
         double after = s;
-        for (int i = 0; i < 40; i++) {
+        for (int halving = 0; halving < 40; halving++) {
             const double middle = 0.5 * (before + after);
             for (int k = 0; k < 3; k++) x[k] = from[k] + middle * ray[k];
             if (outside(table, stop, x) > 0)
