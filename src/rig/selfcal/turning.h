@@ -44,6 +44,8 @@ void ffp_turning_set_stops(FfpTurning *turning);
 
 // Median angle between the rays by which projector and camera see a point, degrees.
 double ffp_turning_parallax(const FfpTurning *turning);
+// Where something is unclear: whether it may be because that angle is too small.
+bool ffp_turning_check_parallax(const FfpTurning *turning, FfpError *err);
 
 // Solves the nearness of every `stride`-th sighting for the devices as they are.
 void ffp_turning_triangulate(FfpTurning *turning, int stride);

@@ -11,6 +11,7 @@
 
 enum { STOPS_LEAST = 3, ROUNDS = 8, STEPS = 8, FEW_SIGHTINGS = 2000, FIT_SIGHTINGS = 8000 };
 #define ANGLES_OFF 2.0  // degrees: deviation of an angle that is given
+#define ANGLES_MOST 6.0 // degrees that one may be off
 #define SCALE_FIRST 2.0 // pixels
 #define SCALE_LEAST 0.5 // pixels
 #define SCALE_MEDIANS 3.0
@@ -74,6 +75,21 @@ static bool check_stops(const FfpTracks *t, FfpError *err) {
                     STOPS_LEAST);
 }
 
+// Angles that are farther off than a hand turns wrongly may belong to another way round.
+static bool check_angles(const FfpTurning *t, FfpError *err) {
+    for (int p = 0; p < t->tracks->n_places; p++) {
+        const double off = t->off[p] * 180 / FFP_PI_DOUBLE;
+        if (t->tracks->places[p].problem[0] == 0 && fabs(off) > ANGLES_MOST)
+            return ffp_turning_check_parallax(t, err) &&
+                   ffp_fail(
+                       err, FFP_ERROR_FILE, NULL,
+                       "the stop '%s' turned by %.1f degrees from the angle given: give the angles by which "
+                       "the object turned, to a few degrees (8 stops all the way round are 8x45)",
+                       t->tracks->places[p].name, fabs(off));
+    }
+    return true;
+}
+
 // Up in the picture.
 static void orient(FfpTurning *t) {
     if (t->axis.direction[1] <= 0) return;
@@ -105,7 +121,7 @@ bool ffp_self_calibration_turn(FfpTurning *t, FfpError *err) {
     t->angles_known = ANGLES_OFF * FFP_PI_DOUBLE / 180;
     fit_well(t);
     if (drop_stops(t) && stops_used(t->tracks) >= STOPS_LEAST) fit_well(t);
-    if (!check_stops(t->tracks, err)) return false;
+    if (!check_stops(t->tracks, err) || !check_angles(t, err)) return false;
     if (ffp_judge_known_focal(&t->focal, t->optics[FFP_BUNDLE_CAMERA_FOCAL])) {
         fit_well(t);
         ffp_tell_known_focal(&t->focal, t->optics[FFP_BUNDLE_CAMERA_FOCAL]);
