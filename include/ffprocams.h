@@ -935,8 +935,7 @@ typedef struct FfpSelfCalibrationStats {
 // adjustment explains (Triggs et al. 2000); before a turntable, the surface of each stop turns into those of
 // the others about one axis. Nothing is written until everything has been found. Fails where the photographs
 // do not determine it, and says what to photograph; with FFP_ERROR_UNSUPPORTED if the library was built
-// without OpenCV.
-// `stats` may be NULL.
+// without OpenCV. `stats` may be NULL.
 FFP_API bool ffp_self_calibrate(FfpContext *context, const FfpSelfCalibration *options,
                                 FfpSelfCalibrationStats *stats, FfpError *err);
 

@@ -1,4 +1,4 @@
-// A calibration without a board: from what a camera at several places sees of the codes on anything.
+// A calibration without a board: from what a camera sees of the codes, at several places or of a turntable.
 #ifndef FFP_SELFCAL_SELFCAL_H
 #define FFP_SELFCAL_SELFCAL_H
 
@@ -19,7 +19,8 @@ bool ffp_places_read(const FfpSelfCalibration *options, FfpTracks *tracks, FfpEr
 // places are left; a focal length that they do not tell.
 bool ffp_self_calibration_fit(FfpBundle *bundle, FfpError *err);
 
-// All of a turntable, likewise; its tracks are told the angles.
+// All of a turntable that has its tracks and angles, judged likewise. Errors: those of ffp_turning_start,
+// fewer than three sound stops, angles or numbers that the photographs do not tell.
 bool ffp_self_calibration_turn(FfpTurning *turning, FfpError *err);
 // The work of ffp_self_calibrate for a turntable whose tracks are read.
 bool ffp_self_calibration_turntable(const FfpSelfCalibration *options, FfpTracks *tracks,

@@ -66,8 +66,7 @@ void ffp_turning_free(FfpTurning *t) {
     *t = (FfpTurning){0};
 }
 
-int ffp_turning_drop_still(FfpTurning *t) {
-    int dropped = 0;
+void ffp_turning_drop_still(FfpTurning *t) {
     for (int i = 0; i < t->tracks->n; i++) {
         const FfpTrack *track = &t->tracks->tracks[i];
         FfpSighting *s = t->tracks->sightings + track->first;
@@ -76,10 +75,8 @@ int ffp_turning_drop_still(FfpTurning *t) {
             for (int b = 0; b < track->n; b++)
                 same += hypot(s[a].at[0] - s[b].at[0], s[a].at[1] - s[b].at[1]) < STILL;
             s[a].used = same < STILL_LEAST || 2 * same < track->n;
-            dropped += !s[a].used;
         }
     }
-    return dropped;
 }
 
 // --- Devices and axis as they are tried. ---
@@ -410,7 +407,6 @@ static void measure(const Fit *fit) {
     size_t n = 0;
     none = ffp_alloc((size_t)fit->numbers, sizeof *none);
     differences(fit, none, found);
-    t->compared = 0;
     for (int i = 0; i < fit->n; i++) {
         const double *at = found + EACH * (size_t)i;
         sum += fmin(at[0] * at[0] + at[1] * at[1], 9 * SIGHTING_SCALE * SIGHTING_SCALE);
@@ -418,7 +414,6 @@ static void measure(const Fit *fit) {
             if (hypot(at[k], at[k + 1]) < 3 * fit->scale) turned[n++] = (real)hypot(at[k], at[k + 1]);
     }
     t->rms = fit->n > 0 ? sqrt(sum / fit->n) : INFINITY;
-    t->compared = (int)n;
     t->surface = n > 0 ? (double)ffp_median(turned, n) : INFINITY;
     ffp_free(found), ffp_free(turned), ffp_free(none);
 }

@@ -25,7 +25,6 @@ typedef struct FfpTurning {
     int (*next)[FFP_TURNING_NEXT]; // [n_places] the stops that a stop's points are turned to; -1: none
     double rms;                    // of the sightings in their pixels
     double surface;                // median distance of what was turned from where it is seen, pixels
-    int compared;                  // sightings with such a distance
     double deviation[FFP_BUNDLE_OPTICS + 6]; // of the optics and of the camera's turn and place
     double tilt, shift; // standard deviations of the axis: direction, radians; place, share of its distance
 } FfpTurning;
@@ -34,7 +33,7 @@ FfpTurning ffp_turning_new(const FfpTracks *tracks, const double *angles);
 void ffp_turning_free(FfpTurning *turning);
 
 // Leaves out sightings of what does not turn: spots that most stops see at the same pixel.
-int ffp_turning_drop_still(FfpTurning *turning);
+void ffp_turning_drop_still(FfpTurning *turning);
 
 // The point of a sighting in the camera's frame; false: it has none.
 bool ffp_turning_point(const FfpTurning *turning, int sighting, double point[3]);

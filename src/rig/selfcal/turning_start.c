@@ -77,17 +77,18 @@ static bool relate(const FfpTurning *t, const int *sightings, int n, Arrangement
     return ok;
 }
 
+static int count_moving(const FfpTurning *t) {
+    int n = 0;
+    for (int i = 0; i < t->tracks->n_sightings; i++) n += t->tracks->sightings[i].used;
+    return n;
+}
+
 // Every so many of the sightings that move, `most` at most; their number.
 static int choose(const FfpTurning *t, int most, int *out) {
-    int moving = 0, n = 0, at = 0;
-    for (int i = 0; i < t->tracks->n_sightings; i++) moving += t->tracks->sightings[i].used;
-    for (int i = 0; i < t->tracks->n_sightings; i++) {
-        if (!t->tracks->sightings[i].used) continue;
-        if (moving <= most || (int64_t)at * most / moving != (int64_t)(at - 1) * most / moving || at == 0)
-            out[n++] = i;
-        at++;
-        if (n == most) break;
-    }
+    const int stride = count_moving(t) / most + 1;
+    int n = 0, at = 0;
+    for (int i = 0; i < t->tracks->n_sightings; i++)
+        if (t->tracks->sightings[i].used && at++ % stride == 0) out[n++] = i;
     return n;
 }
 
@@ -123,28 +124,28 @@ typedef struct Candidate {
     double cost;
 } Candidate;
 
-typedef struct Cloud { // the points that are turned, in the camera's frame
-    int n;
-    double (*points)[3], middle[3], spread;
+typedef struct Cloud { // of the points that are turned, in the camera's frame
+    double middle[3], spread;
 } Cloud;
 
-static Cloud cloud_new(const FfpTurning *t, int stride) {
-    const FfpTracks *tracks = t->tracks;
-    Cloud c = {.points = ffp_alloc((size_t)tracks->n_sightings / (size_t)stride + 1, sizeof *c.points)};
-    real *coordinate = ffp_alloc((size_t)tracks->n_sightings / (size_t)stride + 1, sizeof *coordinate);
-    for (int i = 0; i < tracks->n_sightings; i += stride)
-        if (ffp_turning_point(t, i, c.points[c.n])) c.n++;
-    for (int k = 0; k < 3 && c.n > 0; k++) {
-        for (int i = 0; i < c.n; i++) coordinate[i] = (real)c.points[i][k];
-        c.middle[k] = (double)ffp_median(coordinate, (size_t)c.n);
+static Cloud cloud_of(const FfpTurning *t, int stride) {
+    const size_t most = (size_t)t->tracks->n_sightings / (size_t)stride + 1;
+    double(*points)[3] = ffp_alloc(most, sizeof *points);
+    real *values = ffp_alloc(most, sizeof *values);
+    Cloud c = {.spread = 0};
+    size_t n = 0;
+    for (int i = 0; i < t->tracks->n_sightings; i += stride)
+        if (ffp_turning_point(t, i, points[n])) n++;
+    for (int k = 0; k < 3 && n > 0; k++) {
+        for (size_t i = 0; i < n; i++) values[i] = (real)points[i][k];
+        c.middle[k] = (double)ffp_median(values, n);
     }
-    for (int i = 0; i < c.n; i++) {
-        double from[3];
-        for (int k = 0; k < 3; k++) from[k] = c.points[i][k] - c.middle[k];
-        coordinate[i] = (real)sqrt(ffp_dot(from, from));
+    for (size_t i = 0; i < n; i++) {
+        for (int k = 0; k < 3; k++) points[i][k] -= c.middle[k];
+        values[i] = (real)sqrt(ffp_dot(points[i], points[i]));
     }
-    c.spread = c.n > 0 ? (double)ffp_median(coordinate, (size_t)c.n) : 0;
-    ffp_free(coordinate);
+    if (n > 0) c.spread = (double)ffp_median(values, n);
+    ffp_free(values), ffp_free(points);
     return c;
 }
 
@@ -155,19 +156,23 @@ static void direction_of(int index, double out[3]) {
     out[0] = radius * cos(round), out[1] = -height, out[2] = radius * sin(round);
 }
 
-static void insert(Candidate *list, int most, const Candidate *c) {
-    int at = most - 1;
+// Into a list that is in order; what is at `at`, or the worst, falls out.
+static void offer(Candidate *list, int at, const Candidate *c) {
     if (!(c->cost < list[at].cost)) return;
-    for (int i = 0; i < most; i++) { // one of each direction
-        if (list[i].cost > 1 || list[i].reversed != c->reversed ||
-            fabs(ffp_dot(list[i].axis.direction, c->axis.direction)) < SAME)
-            continue;
-        if (list[i].cost <= c->cost) return;
-        at = i;
-        break;
-    }
     for (; at > 0 && list[at - 1].cost > c->cost; at--) list[at] = list[at - 1];
     list[at] = *c;
+}
+
+// Into a list of one of each direction.
+static void offer_direction(Candidate list[OF_ONE], const Candidate *c) {
+    int at = OF_ONE - 1;
+    for (int i = 0; i < OF_ONE; i++)
+        if (list[i].cost <= 1 && list[i].reversed == c->reversed &&
+            fabs(ffp_dot(list[i].axis.direction, c->axis.direction)) >= SAME) {
+            at = i;
+            break;
+        }
+    offer(list, at, c);
 }
 
 // The best axis of one direction, among places behind the middle of what is seen.
@@ -194,12 +199,12 @@ static Candidate best_place(const FfpTurning *from, const Cloud *cloud, int inde
 
 static void search_axes(const FfpTurning *t, double scale, Candidate best[OF_ONE]) {
     const int stride = t->tracks->n_sightings / POINTS + 1;
-    Cloud cloud = cloud_new(t, stride);
+    const Cloud cloud = cloud_of(t, stride);
     Candidate *all = ffp_alloc(2 * DIRECTIONS, sizeof *all);
 #pragma omp parallel for schedule(dynamic, 8)
     for (int i = 0; i < 2 * DIRECTIONS; i++) all[i] = best_place(t, &cloud, i, stride, scale);
-    for (int i = 0; i < 2 * DIRECTIONS; i++) insert(best, OF_ONE, &all[i]);
-    ffp_free(all), ffp_free(cloud.points);
+    for (int i = 0; i < 2 * DIRECTIONS; i++) offer_direction(best, &all[i]);
+    ffp_free(all);
 }
 
 // Median distance of what turns from its middle in the picture, pixels.
@@ -317,14 +322,6 @@ static bool choose_one(FfpTurning *t, Candidate *list, double scale, bool *uncle
     return true;
 }
 
-// Into a list that is in order; the worst falls out.
-static void offer(Candidate *list, int most, const Candidate *c) {
-    int at = most - 1;
-    if (!(c->cost < list[at].cost)) return;
-    for (; at > 0 && list[at - 1].cost > c->cost; at--) list[at] = list[at - 1];
-    list[at] = *c;
-}
-
 static void search_arrangement(FfpTurning *t, const Arrangement *a, double scale,
                                Candidate list[CANDIDATES]) {
     Candidate best[OF_ONE];
@@ -337,7 +334,7 @@ static void search_arrangement(FfpTurning *t, const Arrangement *a, double scale
     for (int k = 0; k < OF_ONE && best[k].cost <= 1; k++) {
         memcpy(best[k].optics, t->optics, sizeof t->optics);
         best[k].camera = t->camera;
-        offer(list, CANDIDATES, &best[k]);
+        offer(list, CANDIDATES - 1, &best[k]);
     }
 }
 
@@ -390,9 +387,8 @@ bool ffp_turning_check_parallax(const FfpTurning *t, FfpError *err) {
 }
 
 bool ffp_turning_start(FfpTurning *t, FfpError *err) {
-    int moving = 0;
+    const int moving = count_moving(t);
     bool found, unclear;
-    for (int i = 0; i < t->tracks->n_sightings; i++) moving += t->tracks->sightings[i].used;
     if (moving < MOVING_LEAST)
         return ffp_fail(
             err, FFP_ERROR_FILE, NULL,
