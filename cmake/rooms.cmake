@@ -68,7 +68,7 @@ ffp_room(import DEPS response checks findings masks turntable shots graycode opt
 # the rig's own calibration: the order of its steps, its files and report
 ffp_room(calibrate CALLS DEPS turntable chessboard optics capture base)
 # a calibration without a board: projector, and a walking camera or a turntable, from the codes on anything
-ffp_room(selfcal CALLS DEPS calibrate turntable chessboard shots graycode optics findings image numerics base)
+ffp_room(selfcal CALLS DEPS calibrate turntable chessboard shots graycode optics findings capture image numerics base)
 
 ffp_wing(world) # objects and rigs that do not exist
 # shapes, generated or read, as meshes; solid noise

@@ -106,6 +106,19 @@ static void tell_default(const FfpRigCalibration *rig) {
 
 // --- Without a board. ---
 
+// The whole command, for photographs that are all in folders of one folder.
+static void print_import(const FfpSelfCalibration *o) {
+    const char *first = o->places[0], *end = o->n_places > 1 ? strrchr(first, '/') : first + strlen(first);
+    while (end && end > first && end[-1] == '/') end--;
+    printf("import with -c %s", o->file ? o->file : o->folder);
+    if (o->file)
+        printf(" -t %s", o->turntable_file);
+    else
+        printf(" --scene");
+    if (o->shown) printf(" --shown %s", o->shown);
+    printf(" -i '%.*s%s{view}/*' -o FOLDER\n", end ? (int)(end - first) : 0, first, end ? "/" : "");
+}
+
 static void print_places(const FfpSelfCalibration *o, const FfpSelfCalibrationStats *s) {
     printf("%s: %d of %d places, %d points, rms %.3f pixels; %.1f degrees between the outermost\n", o->folder,
            s->used, s->places, s->points, s->rms, s->parallax);
@@ -114,7 +127,7 @@ static void print_places(const FfpSelfCalibration *o, const FfpSelfCalibrationSt
            "degrees\n",
            s->camera_focal, 100 * s->camera_uncertain, s->projector_focal, 100 * s->projector_uncertain,
            s->turn_uncertain);
-    printf("import with -c %s --scene\n", o->folder);
+    print_import(o);
 }
 
 static void print_stops(const FfpSelfCalibration *o, const FfpSelfCalibrationStats *s) {
@@ -127,7 +140,7 @@ static void print_stops(const FfpSelfCalibration *o, const FfpSelfCalibrationSta
         "turned %sclockwise as seen from above, by angles up to %.2f degrees from those given\n",
         s->axis[0], s->axis[1], s->axis[2], s->point[0], s->point[1], s->point[2], s->tilt, 100 * s->shift,
         s->reversed ? "" : "anti", s->angle_off);
-    printf("import with -c %s -t %s\n", o->file, o->turntable_file);
+    print_import(o);
 }
 
 static void print_places_json(const FfpSelfCalibration *o, const FfpSelfCalibrationStats *s) {
@@ -351,7 +364,9 @@ static const FfpOption options[] = {
      .writes = true,
      .offset = offsetof(Arguments, rig.turntable_file),
      .group = TURNTABLE,
-     .help = "JSON file for the axis, for `ffprocams import -t FILE --angles ANGLES`"},
+     .help = "JSON file for the axis, for `ffprocams import -t FILE`: after a board with --angles ANGLES, "
+             "those of "
+             "the object's stops"},
     {.name = "calibration",
      .letter = 'c',
      .argument = "FILE",

@@ -175,13 +175,14 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_FILE,
      .offset = offsetof(Arguments, turntable),
      .group = TURNTABLE,
-     .help = "AX,AY,AZ,PX,PY,PZ,ANGLES: the object turned in front of a fixed camera and projector. "
-             "Direction of the axis and a point on it in camera coordinates (x right, y down, z forward, the "
-             "calibration's unit); rotation angles of the object in degrees, separated by commas, or 8x45 "
-             "for eight steps of 45; right-handed about the axis: with the axis up (0,-1,0), anticlockwise "
-             "as seen from above. Or a JSON file {\"axis\": [..], \"point\": [..], \"angles\": [..]}, or "
-             "with \"count\" and \"step\" instead of angles, or that of `ffprocams calibrate`, whose angles "
-             "--angles gives. Without it a fixed rig has one view"},
+     .help =
+         "AX,AY,AZ,PX,PY,PZ,ANGLES: the object turned in front of a fixed camera and projector. "
+         "Direction of the axis and a point on it in camera coordinates (x right, y down, z forward, the "
+         "calibration's unit); rotation angles of the object in degrees, separated by commas, or 8x45 "
+         "for eight steps of 45; right-handed about the axis: with the axis up (0,-1,0), anticlockwise "
+         "as seen from above. Or a JSON file {\"axis\": [..], \"point\": [..], \"angles\": [..]}, or "
+         "with \"count\" and \"step\" instead of angles, or that of `ffprocams calibrate`: of a board, with "
+         "--angles; without a board it has angles and views. Without -t a fixed rig has one view"},
     {.name = "angles",
      .argument = "ANGLES",
      .type = FFP_OPTION_PARSED,

@@ -186,6 +186,16 @@ bool ffp_write_calibration(const FfpRigFit *fit, const char *path, FfpError *err
 
 // --- The axis. ---
 
+static void put_views(FILE *out, const FfpTableFit *fit) {
+    int left_out = 0;
+    fputs(" \"views\": [", out);
+    for (int i = 0; i < fit->n; i++) fprintf(out, "%s\"%s\"", i > 0 ? ", " : "", fit->stops[i].view);
+    fputs("],\n \"left_out\": [", out);
+    for (int i = 0; i < fit->n; i++)
+        if (fit->stops[i].left_out) fprintf(out, "%s\"%s\"", left_out++ > 0 ? ", " : "", fit->stops[i].view);
+    fputs("],\n", out);
+}
+
 bool ffp_write_table(const FfpTableFit *fit, const char *path, FfpError *err) {
     FfpOutput out;
     if (!ffp_output_open(&out, path, err)) return false;
@@ -194,8 +204,9 @@ bool ffp_write_table(const FfpTableFit *fit, const char *path, FfpError *err) {
     fprintf(out.stream, "{\n \"axis\": [%.9g, %.9g, %.9g],\n \"point\": [%.9g, %.9g, %.9g],\n", u[0], u[1],
             u[2], p[0], p[1], p[2]);
     if (ffp_dot(x, x) > 0) fprintf(out.stream, " \"zero\": [%.9g, %.9g, %.9g],\n", x[0], x[1], x[2]);
+    if (fit->stops) put_views(out.stream, fit);
     fprintf(out.stream, " \"clockwise\": %s,\n \"%s\": [", fit->reversed ? "true" : "false",
-            fit->of_object ? "angles" : "board_angles");
+            fit->stops ? "angles" : "board_angles");
     for (int i = 0; i < fit->n; i++) fprintf(out.stream, "%s%.9g", i > 0 ? ", " : "", fit->angles[i]);
     fprintf(out.stream, "],\n \"rms\": %.6g,\n \"tilt\": %.6g,\n \"shift\": %.6g\n}\n", fit->rms, fit->tilt,
             fit->shift);

@@ -415,7 +415,9 @@ static const FfpRule rules[FFP_RULES] = {
     [FFP_RULE_PLACE_LEFT_OUT] = {"place-left-out", "calibration", DOUBT, NULL, 0,
                                  "the camera's place '{view}' is left out: {a}", NULL, NULL},
     [FFP_RULE_STOP_LEFT_OUT] = {"stop-left-out", "calibration", DOUBT, NULL, 0,
-                                "the turntable's stop '{view}' is left out: {a}", NULL, NULL},
+                                "the turntable's stop '{view}' is left out: {a}",
+                                "photograph it again, or go on without it: an import leaves it out, too",
+                                NULL},
     [FFP_RULE_PLACES_FOCAL] =
         {"focal-uncertain-by-places", "calibration", DOUBT, "share of the focal length", 0,
          "the {a}'s focal length is uncertain by {figure:.1%}",

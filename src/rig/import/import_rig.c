@@ -2,10 +2,18 @@
 #include <string.h>
 #include "rig/import/import_steps.h"
 
+static void drop_left_out(FfpCalibration *calibration) {
+    int n = 0;
+    for (int i = 0; i < calibration->n_stops; i++)
+        if (!calibration->stops[i].left_out) calibration->stops[n++] = calibration->stops[i];
+    calibration->n_stops = n;
+}
+
 static bool keep_chosen_stops(FfpImporting *import, FfpError *err) {
     const FfpImport *settings = import->settings;
     FfpCalibration *calibration = &import->calibration;
     for (int i = 0; i < calibration->n_stops; i++) calibration->stops[i].index = i;
+    drop_left_out(calibration);
     if (settings->n_views == 0) return true;
     if (calibration->n_pictures > 0 && settings->n_images == 0)
         return ffp_fail(

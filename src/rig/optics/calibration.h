@@ -13,6 +13,7 @@ typedef struct FfpStop { // a camera and a projector around the object, at one s
     double c2w[16], p2w[16]; // row-major, OpenCV axes
     double angle;            // of a turntable, degrees
     int index;               // among all that the calibration has, whichever are chosen
+    bool left_out;           // by what made the calibration: it is not to be used
 } FfpStop;
 
 // A picture that the calibration itself names (nepmap).

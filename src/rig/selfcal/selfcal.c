@@ -77,11 +77,13 @@ static double parallax_of(const FfpBundle *b) {
 
 static bool judge_parallax(const FfpBundle *b, FfpError *err) {
     const double angle = parallax_of(b);
-    return angle >= PARALLAX || ffp_fail(err, FFP_ERROR_FILE, NULL,
-                                         "the places of the camera are too near to each other for what they "
-                                         "see (%.1f degrees between their "
-                                         "rays): walk 10 to 20 degrees from one to the next",
-                                         angle);
+    return angle >= PARALLAX ||
+           ffp_fail(err, FFP_ERROR_FILE, NULL,
+                    "the places of the camera are too near to each other for what they "
+                    "see (%.1f degrees between their "
+                    "rays): walk 10 to 20 degrees from one to the next; before an object that turned "
+                    "instead, give its angles",
+                    angle);
 }
 
 static bool judge_focal(const FfpBundle *b, int number, const char *device, FfpError *err) {

@@ -22,6 +22,7 @@ enum { CANDIDATES = 48, WAVE = 12, FINALISTS = 4, OF_ONE = 6, SHORT_STEPS = 4 };
 #define SURE 0.6         // disagreement below which no more are tried
 #define AGREED 0.7       // disagreement of an axis that is one
 #define ALIKE 0.1    // by which the light of another axis must agree worse, where its surfaces agree as well
+#define ALONG 0.2    // disagreement by which an axis along the view must be better to be tried first
 #define PARALLAX 6.0 // degrees that leave nothing unclear
 #define CLEAR 0.05   // by which another axis must be worse
 
@@ -175,7 +176,8 @@ static void offer_direction(Candidate list[OF_ONE], const Candidate *c) {
     offer(list, at, c);
 }
 
-// The best axis of one direction, among places behind the middle of what is seen.
+// The best axis of one direction, among places behind the middle of what is seen. Axes along the view come
+// later than they agree: about them what is seen stays in the picture, whatever its shape.
 static Candidate best_place(const FfpTurning *from, const Cloud *cloud, int index, int stride, double scale) {
     FfpTurning t = *from;
     Candidate best = {.cost = 2};
@@ -194,6 +196,7 @@ static Candidate best_place(const FfpTurning *from, const Cloud *cloud, int inde
             const double cost = ffp_turning_disagreement(&t, stride, scale);
             if (cost < best.cost) best.cost = cost, best.axis = t.axis, best.reversed = t.reversed;
         }
+    best.cost += ALONG * t.axis.direction[2] * t.axis.direction[2];
     return best;
 }
 

@@ -4,6 +4,7 @@
 #include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/log.h"
+#include "core/capture/node.h"
 #include "core/numerics/rank.h"
 #include "rig/calibrate/calibrate.h"
 #include "rig/findings/tell.h"
@@ -146,10 +147,29 @@ static double angle_found(const FfpTurning *t, int stop) {
     return (t->given[stop] + (t->reversed ? -1 : 1) * t->off[stop]) * 180 / FFP_PI_DOUBLE;
 }
 
+// Stops go by the names of their folders or, where names of views cannot be that or are not different, by
+// their numbers.
+static void name_stops(const FfpTracks *t, FfpTableStop *stops) {
+    bool names = true;
+    for (int p = 0; p < t->n_places; p++) {
+        const char *name = t->places[p].name;
+        names = names && ffp_is_name(name) && !strchr(name, '"');
+        for (int q = 0; q < p; q++) names = names && strcmp(name, t->places[q].name) != 0;
+    }
+    for (int p = 0; p < t->n_places; p++) {
+        stops[p].left_out = t->places[p].problem[0] != 0;
+        if (names)
+            snprintf(stops[p].view, sizeof stops[p].view, "%.*s", FFP_NAME_MAX - 1, t->places[p].name);
+        else
+            snprintf(stops[p].view, sizeof stops[p].view, "%d", p + 1);
+    }
+}
+
 static bool write(const FfpTurning *t, const FfpSelfCalibration *o, FfpError *err) {
     FfpRigFit *fit = ffp_alloc(1, sizeof *fit);
     FfpTableFit *table = ffp_alloc(1, sizeof *table);
     double *angles = ffp_alloc((size_t)t->tracks->n_places, sizeof *angles);
+    FfpTableStop *stops = ffp_alloc((size_t)t->tracks->n_places, sizeof *stops);
     const double unit = o->length > 0 ? o->length : 1;
     FfpRigid back;
     ffp_rigid_inverse(&t->camera, &back);
@@ -162,12 +182,13 @@ static bool write(const FfpTurning *t, const FfpSelfCalibration *o, FfpError *er
     table->reversed = t->reversed;
     table->n = t->tracks->n_places;
     for (int p = 0; p < table->n; p++) angles[p] = angle_found(t, p);
-    table->of_object = true, table->angles = angles;
+    name_stops(t->tracks, stops);
+    table->stops = stops, table->angles = angles;
     table->rms = t->surface, table->tilt = t->tilt * 180 / FFP_PI_DOUBLE;
     table->shift = t->shift * unit * sqrt(ffp_dot(t->axis.point, t->axis.point));
     const bool ok =
         ffp_write_calibration(fit, o->file, err) && ffp_write_table(table, o->turntable_file, err);
-    ffp_free(angles), ffp_free(table), ffp_free(fit);
+    ffp_free(stops), ffp_free(angles), ffp_free(table), ffp_free(fit);
     return ok;
 }
 

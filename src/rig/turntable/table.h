@@ -2,20 +2,26 @@
 #ifndef FFP_CALIBRATE_TABLE_H
 #define FFP_CALIBRATE_TABLE_H
 
+#include "core/capture/capture.h"
 #include "rig/chessboard/board.h"
 #include "rig/shots/folders.h"
 #include "rig/turntable/axis.h"
 
 enum { FFP_TABLE_STOPS_LEAST = 3 };
 
+typedef struct FfpTableStop {
+    char view[FFP_NAME_MAX]; // which tells its photographs
+    bool left_out;           // its angle is not known
+} FfpTableStop;
+
 typedef struct FfpTableFit {
     FfpAxis axis;   // camera coordinates, the square's unit; points up in the picture
     bool reversed;  // the angles given are left-handed about it
     double zero[3]; // from the axis to the board's middle at angle 0, unit vector; all 0: they are too near
-    bool of_object; // the angles are of the stops of an object, and not of a board
     int n;          // stops
-    const double *angles;   // [n] degrees, as given
-    FfpAttitude *attitudes; // [n]; camera alone; owned
+    const struct FfpTableStop *stops; // [n] of an object, whose angles these are; NULL: of the board
+    const double *angles;             // [n] degrees, as given
+    FfpAttitude *attitudes;           // [n]; camera alone; owned
     int used;
     double rms;         // pixels, over all corners with one board and one axis
     double tilt, shift; // standard deviations, the camera's with them: of the direction, degrees; of the

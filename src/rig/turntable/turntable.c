@@ -72,6 +72,33 @@ static bool read_angles(FfpTurntable *turntable, const FfpNode *root, FfpError *
     return true;
 }
 
+// Names of views, all different: of every stop, and of those that are left out.
+static bool read_views(FfpTurntable *turntable, const FfpNode *root, FfpError *err) {
+    FfpNode views, left_out, item;
+    char name[FFP_NAME_MAX];
+    int n = 0, left = 0;
+    if (!ffp_node_find(root, "views", &views)) return true;
+    turntable->named = true;
+    if (!ffp_node_count(&views, turntable->count, turntable->count, &n, err)) return false;
+    for (int i = 0; i < n; i++) {
+        if (!ffp_node_item(&views, i, &item, err) || !ffp_node_name(&item, turntable->views[i], err))
+            return false;
+        for (int k = 0; k < i; k++)
+            if (strcmp(turntable->views[k], turntable->views[i]) == 0)
+                return ffp_node_fail(&item, err, "is a second view '%s'", turntable->views[i]);
+    }
+    if (!ffp_node_find(root, "left_out", &left_out)) return true;
+    if (!ffp_node_count(&left_out, 0, n - 1, &left, err)) return false;
+    for (int i = 0; i < left; i++) {
+        if (!ffp_node_item(&left_out, i, &item, err) || !ffp_node_name(&item, name, err)) return false;
+        int k = 0;
+        while (k < n && strcmp(turntable->views[k], name) != 0) k++;
+        if (k == n) return ffp_node_fail(&item, err, "no view is called '%s'", name);
+        turntable->left_out[k] = true;
+    }
+    return true;
+}
+
 static bool read_sense(FfpTurntable *turntable, const FfpNode *root, FfpError *err) {
     FfpNode field;
     double square = 0;
@@ -95,7 +122,8 @@ static bool read_axis(FfpTurntable *turntable, const FfpNode *root, FfpError *er
 static bool read_file(FfpTurntable *turntable, const char *path, bool with_axis, FfpError *err) {
     FfpNode root;
     if (!ffp_document_open(&root, path, err)) return false;
-    const bool ok = (!with_axis || read_axis(turntable, &root, err)) && read_angles(turntable, &root, err);
+    const bool ok = (!with_axis || read_axis(turntable, &root, err)) && read_angles(turntable, &root, err) &&
+                    read_views(turntable, &root, err);
     ffp_node_close(&root);
     return ok;
 }
@@ -110,6 +138,9 @@ static bool take_angles(FfpTurntable *turntable, const FfpImportTurntable *given
     if (given->n_angles < 0 || given->n_angles > FFP_VIEWS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "turntable.angles", "%d angles: expected at most %d",
                         given->n_angles, FFP_VIEWS_MAX);
+    if (given->n_angles > 0 && turntable->named)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "turntable.angles",
+                        "%s has the angles of its stops as they were found: leave these out", given->file);
     if (given->n_angles > 0) turntable->count = given->n_angles;
     for (int i = 0; i < given->n_angles; i++) turntable->angles[i] = given->angles[i];
     if (turntable->count < 1 && given->file)
@@ -220,12 +251,16 @@ bool ffp_turntable_apply(const FfpTurntable *turntable, FfpCalibration *calibrat
         const int degree = (int)((lround(turntable->angles[i]) % 360 + 360) % 360);
         twice = twice || used[degree];
         used[degree] = true;
-        snprintf(stop->id, sizeof stop->id, "%03d", degree);
+        if (turntable->named)
+            snprintf(stop->id, sizeof stop->id, "%s", turntable->views[i]);
+        else
+            snprintf(stop->id, sizeof stop->id, "%03d", degree);
         stop->camera = calibration->camera;
         stop->angle = turntable->angles[i];
+        stop->left_out = turntable->left_out[i];
     }
     ffp_turntable_place(turntable, turntable->clockwise, calibration);
-    for (int i = 0; i < turntable->count && twice; i++)
+    for (int i = 0; i < turntable->count && twice && !turntable->named; i++)
         snprintf(calibration->stops[i].id, sizeof calibration->stops[i].id, "stop_%03d", i);
     return true;
 }

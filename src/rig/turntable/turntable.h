@@ -12,20 +12,23 @@ typedef struct FfpTurntable {
     bool clockwise;  // angles are left-handed about the axis
     int count;
     double angles[FFP_VIEWS_MAX]; // degrees by which the object has turned at each stop
+    bool named;                   // its stops are views of these names, and their angles were measured
+    char views[FFP_VIEWS_MAX][FFP_NAME_MAX];
+    bool left_out[FFP_VIEWS_MAX]; // those whose angle could not be
 } FfpTurntable;
 
 // Whether there is a turntable in what a caller says.
 bool ffp_turntable_is_given(const FfpImportTurntable *given);
 // What a caller says of one, with the JSON or YAML file that is named, {"axis", "point", "angles"} or
-// {"axis", "point", "count", "step"}, and "zero" and "clockwise" where it has them; the axis at length 1. One
-// that is to be found points up and stands before the camera until then. Errors: no direction, no angles, too
-// many, numbers out of range.
+// {"axis", "point", "count", "step"}, and "zero", "clockwise", "views" and "left_out" where it has them; the
+// axis at length 1. One that is to be found points up and stands before the camera until then. Errors: no
+// direction, no angles, too many, numbers out of range, angles beside those of a file whose views are named.
 bool ffp_turntable_take(FfpTurntable *turntable, const FfpImportTurntable *given, FfpError *err);
 
 // Gives the fixed rig a stop for each angle. An object turned by angle a about axis u through p has the point
 // X of its own frame at R(u,a) B X + p before the camera, B = [x y u] being a right-handed basis (x along
 // `zero`); hence c2w = [B^T R(u,-a) | -B^T R(u,-a) p] and p2w = c2w p2c. Stops are called by
-// their angle ("045"), or by their number where angles would not tell them apart.
+// their names, by their angle ("045"), or by their number where angles would not tell them apart.
 bool ffp_turntable_apply(const FfpTurntable *turntable, FfpCalibration *calibration, FfpError *err);
 // The poses of stops that exist already, by their angles; only axis and point are used. `reversed`: the
 // object turned left-handed about the axis.

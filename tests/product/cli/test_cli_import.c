@@ -235,9 +235,35 @@ static void test_opencv_samples(void **state) {
     FILE *out = create("table.json");
     fputs("{\"axis\": [0, 2, 0], \"point\": [0, -0.25, 3], \"count\": 8, \"step\": 45}", out);
     fclose(out);
-    char plain[3000];
+    char plain[2500];
     snprintf(plain, sizeof plain, SIZES "-t %s/table.json " FIRST_TWO SHOTS PATTERN, scratch);
     import_rig("samples", "cal.yml", plain);
+}
+
+#define BY_NAME "-i 'all_black,all_white,lollipop_0=" SAMPLE "/{view}_{pattern}.png' "
+
+// A turntable whose stops were found from their photographs: views by name, one of them left out.
+static void test_named_stops(void **state) {
+    (void)state;
+    write_opencv("cal.yml", &single_shot, false, no_lens, no_lens);
+    FILE *out = create("stops.json");
+    fputs("{\"axis\": [0, 1, 0], \"point\": [0, 0, 3],\n \"views\": [", out);
+    for (int v = 0; v < sample.n_views; v++) fprintf(out, "%s\"%s\"", v > 0 ? ", " : "", sample.views[v].id);
+    fprintf(out, "],\n \"left_out\": [\"%s\"],\n \"count\": 8, \"step\": 45}",
+            sample.views[sample.n_views - 1].id);
+    fclose(out);
+    char arguments[3000];
+    snprintf(arguments, sizeof arguments, "-c %s/cal.yml " SIZES "-t %s/stops.json " BY_NAME PATTERN, scratch,
+             scratch);
+    import("stops", arguments);
+    check_import("stops", sample.n_views - 1, 0.1);
+    snprintf(arguments, sizeof arguments,
+             "import -c %s/cal.yml " SIZES "-t %s/stops.json --angles 8x45 " BY_NAME PATTERN
+             "-o %s/stops_again",
+             scratch, scratch, scratch);
+    run_program(&run, arguments);
+    assert_int_equal(run.status, 1);
+    assert_non_null(strstr(run.err, "has the angles of its stops"));
 }
 
 // Placeholders and * in one name: * stands for whatever the placeholders do not.
@@ -591,6 +617,7 @@ int main(void) {
         cmocka_unit_test(test_procam_calibration),
         cmocka_unit_test(test_calibrator),
         cmocka_unit_test(test_opencv_samples),
+        cmocka_unit_test(test_named_stops),
         cmocka_unit_test(test_names_of_files),
         cmocka_unit_test(test_deprocams),
         cmocka_unit_test(test_films),

@@ -95,6 +95,8 @@ static void test_one_world(void **state) {
     for (int i = 0; i < 16; i++) assert_true(fabs(second[i] - first[i]) < 1e-9);
 }
 
+#define NAMED "{\"axis\": [0,-1,0], \"point\": [0,0,9], \"views\": "
+
 static void test_files_of_turntables(void **state) {
     (void)state;
     static FfpTurntable turntable;
@@ -103,7 +105,12 @@ static void test_files_of_turntables(void **state) {
     static const char *const wrong[][2] = {
         {"{\"axis\": [0,-1,0], \"point\": [0,0,9], \"clockwise\": 1}", "table.json: clockwise"},
         {"{\"axis\": [0,-1,0], \"point\": [0,0,9], \"zero\": [0,0,0]}", "table.json: zero"},
-        {"{\"axis\": [0,-1,0], \"point\": [0,0,9], \"zero\": [1,0]}", "table.json: zero"}};
+        {"{\"axis\": [0,-1,0], \"point\": [0,0,9], \"zero\": [1,0]}", "table.json: zero"},
+        {NAMED "[\"a\", \"b\"], \"angles\": [0]}", "table.json: views"},
+        {NAMED "[\"a\", \"a\"], \"angles\": [0, 9]}", "a second view 'a'"},
+        {NAMED "[\"a\", \"b\"], \"left_out\": [\"c\"], \"angles\": [0, 9]}", "no view is called 'c'"},
+        {NAMED "[\"a\", \"b\"], \"left_out\": [\"a\", \"b\"], \"angles\": [0, 9]}", "left_out"},
+        {NAMED "[\"a\", \"b\"], \"angles\": [0, 9]}", "leave these out"}};
     write_text("table.json",
                "{\"axis\": [0,-1,0], \"point\": [0,0,9], \"zero\": [1,0,0], \"clockwise\": true, "
                "\"board_angles\": [0, 15, 30]}");
@@ -120,11 +127,27 @@ static void test_files_of_turntables(void **state) {
     }
 }
 
+// Stops by their names; those that are left out keep their place in the count.
+static void test_named_stops(void **state) {
+    (void)state;
+    static FfpTurntable turntable;
+    const FfpImportTurntable given = {.file = in_scratch("table.json")};
+    calibration = fixed_rig();
+    write_text("table.json", NAMED "[\"left\", \"right\"], \"left_out\": [\"left\"], \"angles\": [0, 0.3]}");
+    if (!ffp_turntable_take(&turntable, &given, &err)) fail_msg("%s", err.text);
+    assert_true(ffp_turntable_apply(&turntable, &calibration, &err));
+    assert_int_equal(calibration.n_stops, 2);
+    assert_string_equal(calibration.stops[1].id, "right");
+    assert_true(calibration.stops[0].left_out && !calibration.stops[1].left_out);
+    ffp_calibration_free(&calibration);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_turntable),
         cmocka_unit_test(test_one_world),
         cmocka_unit_test(test_files_of_turntables),
+        cmocka_unit_test(test_named_stops),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }
