@@ -170,7 +170,7 @@ def train(
 
     Args:
         out: folder for checkpoint.safetensors, weights.safetensors, metrics.jsonl and pictures.
-        captures: folder of your own captures, for fine-tuning to their photographs (docs/lab/training.md).
+        captures: folder of your own captures, for fine-tuning to their photographs (docs/lab/retrain.md).
             Every fourth is held out, and the weights written are those that predict its photographs best. None: scenes
             are generated or read.
         config: JSON file; None: the defaults.

@@ -10,8 +10,8 @@
 #define SURFACE 0.5F // opacity from which there is a surface
 #define HOLE 0.3     // difference that counts where there is none
 // Splats are looked at wider than they are drawn. As they are drawn, surfaces that lie too deep agree best,
-// because the rims of what other views saw stick out less; so wide, right poses do (docs/lab/training.md,
-// "Alignment").
+// because the rims of what other views saw stick out less; so wide, right poses do (the notebook,
+// docs/lab/notebook/alignment.md).
 #define WIDER 1.25F
 
 struct FfpPhotoConsistency {

@@ -5,7 +5,7 @@
 #include "engine/network/head.h"
 
 #define RATIO_TOLD_MAX                                                                                       \
-    ((real)0.68)           // log2: what training shows (docs/lab/training.md); beyond it weights guess
+    ((real)0.68)           // log2: what training shows (docs/lab/notebook/tokens.md); beyond it weights guess
 #define REACH_FOOTPRINTS 4 // of the context: depth differences beyond count as this
 
 bool ffp_head_has_context_inputs(const FfpModelConfig *config, const FfpGrid *grid,

@@ -46,7 +46,7 @@ FfpRefineSettings ffp_refine_defaults(void) {
     };
 }
 
-// Rates chosen on scenes of the validation split (docs/lab/training.md).
+// Rates chosen on scenes of the validation split (docs/lab/notebook/fit-optimiser.md).
 FfpRefineSettings ffp_polish_defaults(int64_t steps) {
     FfpRefineSettings s = ffp_refine_defaults();
     const real faster[FFP_ATTRIBUTES] = {
