@@ -80,7 +80,7 @@ typedef struct FfpPinhole {
     double pose[16];       // row-major 4x4, device to world, rigid
 } FfpPinhole;
 
-// A capture in memory, with the same contents as a capture folder (docs/reference/formats.md).
+// A capture in memory, with the same contents as a capture folder (docs/reference/formats/capture.md).
 typedef struct FfpPatternData {
     const char *name;
     FfpPicture picture; // of the projector's size; may be empty for black and white
@@ -223,12 +223,12 @@ FFP_API FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *cap
                                       const FfpReconstruction *options, FfpReconstructionStats *stats,
                                       FfpError *err);
 
-// Binary PLY with the 3DGS property names, plus base_color_0..2 and roughness (docs/reference/formats.md).
-// Plain splats are opened too (PLY of 3DGS, 2DGS and gsplat, compressed PLY, SPZ, .splat, glTF with
-// KHR_gaussian_splatting): their colour is taken as albedo and as ambient colour, the roughness is 0.5, and a
-// note says so. Splats that cannot be used are left out with a note; it is an error if they are more than a
-// tenth. Gaussians too faint to be visible (opacity below 1/255) are omitted; it is an error if all of them
-// are.
+// Binary PLY with the 3DGS property names, plus base_color_0..2 and roughness
+// (docs/reference/formats/gaussians.md). Plain splats are opened too (PLY of 3DGS, 2DGS and gsplat,
+// compressed PLY, SPZ, .splat, glTF with KHR_gaussian_splatting): their colour is taken as albedo and as
+// ambient colour, the roughness is 0.5, and a note says so. Splats that cannot be used are left out with a
+// note; it is an error if they are more than a tenth. Gaussians too faint to be visible (opacity below 1/255)
+// are omitted; it is an error if all of them are.
 FFP_API FfpGaussians *ffp_gaussians_open(FfpContext *context, const char *path, FfpError *err);
 FFP_API bool ffp_gaussians_save(FfpContext *context, const FfpGaussians *gaussians, const char *path,
                                 FfpError *err);
@@ -346,7 +346,7 @@ FFP_API bool ffp_renderer_backward(FfpContext *context, FfpRenderer *renderer, c
 
 // --- For training and fitting in other programs. ---
 
-// A model's configuration (docs/reference/formats.md, "Weights").
+// A model's configuration (docs/reference/formats/weights.md, "Weights").
 typedef struct FfpModelForm {
     const char *modules; // one letter per block: M = Mamba2, T = Transformer
     int dim, patch, state, chunk, pixel_features, pixel_hidden;
@@ -560,7 +560,7 @@ typedef struct FfpCompensation {
     // white.
     bool gaussians_only;
     // Make patterns for the real projector, at its panel's size, with its lens distortion and gamma, which
-    // the capture must contain (docs/reference/formats.md, projector.device).
+    // the capture must contain (docs/reference/formats/capture.md, projector.device).
     bool for_device;
     FfpDrawing drawing;
 } FfpCompensation;
@@ -592,7 +592,7 @@ typedef struct FfpMaps {
     const char *poses;        // as FfpPictures.poses
     const char *const *views; // ids; none: all
     int n_views;
-    const char *folder; // for the files (docs/reference/formats.md); created if necessary
+    const char *folder; // for the files (docs/reference/formats/pictures.md); created if necessary
     FfpDrawing drawing;
 } FfpMaps;
 
@@ -609,8 +609,8 @@ typedef struct FfpMapStats { // of one view
 enum { FFP_MAP_STATS = 512 }; // the maximum number of views
 
 // Correspondences and projected light for one camera and one projector: linear images named like the files
-// (docs/reference/formats.md): camera_to_projector, projector_to_camera, projector_sees, lit, incidence,
-// density, resolution, illuminance. `stats` may be NULL.
+// (docs/reference/formats/pictures.md): camera_to_projector, projector_to_camera, projector_sees, lit,
+// incidence, density, resolution, illuminance. `stats` may be NULL.
 FFP_API FfpImages *ffp_map_images(FfpContext *context, const FfpGaussians *gaussians,
                                   const FfpCapture *capture, const FfpPinhole *camera,
                                   const FfpPinhole *projector, FfpDrawing drawing, FfpMapStats *stats,
@@ -1074,7 +1074,8 @@ FFP_API FfpAlignment ffp_alignment_defaults(void); // only poses
 FFP_API bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const FfpAlignment *options,
                              FfpAlignmentStats *stats, FfpError *err);
 
-// Writes a capture folder (docs/reference/formats.md), completely or not at all; it must be new or empty.
+// Writes a capture folder (docs/reference/formats/capture.md), completely or not at all; it must be new or
+// empty.
 FFP_API bool ffp_capture_save(FfpContext *context, const FfpCapture *capture, const char *folder,
                               FfpError *err);
 // Checks that the folder is new or empty, so that errors show before the work rather than after it.

@@ -107,7 +107,7 @@ class Compensator {
 const samplesAcross = (panelFocal, idealFocal) => clamp(Math.ceil(idealFocal / panelFocal - 1e-6), 1, 64);
 
 // The picture sent to the real projector for its pattern, RGBA bytes {width, height, data}. `panel`: the device of
-// scene.json (docs/reference/formats.md); none: the pattern itself.
+// scene.json (docs/reference/formats/capture.md); none: the pattern itself.
 function panelPicture(graphics, projector, panel, kept) {
   const d = projector.device, original = projector.original || d;
   const p = panel || {width: d.width, height: d.height, fx: d.fx, fy: d.fy, cx: d.cx, cy: d.cy};

@@ -100,7 +100,7 @@ function showProblem(error) {
   if (!(error instanceof Message)) console.warn(error);
 }
 
-// The folder nearest to the top that has one of the files by which a capture is known (docs/reference/formats.md); null: none has.
+// The folder nearest to the top that has one of the files by which a capture is known (docs/reference/formats/capture.md); null: none has.
 function captureRoot(files) {
   const scenes = files.map(({ path }) => path).filter((path) => /(^|\/)(scene|render_poses)\.json$/.test(path));
   scenes.sort((a, b) => a.split('/').length - b.split('/').length || (a < b ? -1 : 1));

@@ -28,7 +28,7 @@ typedef struct FfpNeuralField FfpNeuralField;
 FFP_API FfpNeuralField *ffp_fit_neural_field(FfpContext *context, const FfpCapture *capture,
                                              const FfpRefinement *options, const char *checkpoint,
                                              FfpRefinementStats *stats, FfpError *err);
-// A field's file is safetensors (docs/reference/formats.md).
+// A field's file is safetensors (docs/reference/formats/weights.md).
 FFP_API FfpNeuralField *ffp_neural_field_open(FfpContext *context, const char *path, FfpError *err);
 FFP_API bool ffp_neural_field_save(FfpContext *context, const FfpNeuralField *field, const char *path,
                                    FfpError *err);

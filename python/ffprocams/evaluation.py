@@ -281,7 +281,7 @@ def import_capture(
 
     Args:
         folder: must be new or empty.
-        calibrations: files of other tools (docs/reference/formats.md), a Calibration, or a dict of matrices as for
+        calibrations: files of other tools (docs/reference/formats/calibrations.md), a Calibration, or a dict of matrices as for
             Calibration.from_dict.
         images: the photographs under each pattern ("black", "white" and those of ``patterns``): a path that contains
             {view}, {pattern}, {index} or {number}, or *, or both. Such a path alone: the photographs of all patterns

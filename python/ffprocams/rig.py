@@ -114,7 +114,7 @@ def calibrate_rig(
         angles: of the table, degrees.
         turntable_file: for the axis, as read by import_capture (Turntable.file, with the object's angles; JSON).
         calibrations: without attitudes: files that contain the camera's calibration.
-        seen: JSON file for where the board is in photographs (docs/reference/formats.md, "Where a board is");
+        seen: JSON file for where the board is in photographs (docs/reference/formats/calibrations.md, "Where a board is");
             ``attitudes`` are photographs of the board then, ``file`` is None, and nothing is calibrated.
         progress: see ffprocams.ProgressOption.
         threads: number of threads; 0: all processors.

@@ -1,5 +1,5 @@
-// A capture: the photographs of one object by a projector-camera rig. See docs/reference/formats.md for the
-// files.
+// A capture: the photographs of one object by a projector-camera rig. See docs/reference/formats/capture.md
+// for the files.
 #ifndef FFP_CAPTURE_CAPTURE_H
 #define FFP_CAPTURE_CAPTURE_H
 

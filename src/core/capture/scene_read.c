@@ -1,4 +1,4 @@
-// scene.json, our own layout (docs/reference/formats.md): OpenCV axes, every file named.
+// scene.json, our own layout (docs/reference/formats/capture.md): OpenCV axes, every file named.
 #include <string.h>
 #include "core/base/file.h"
 #include "core/base/real.h"

@@ -80,8 +80,8 @@ bool ffp_shadows_are_baked(const FfpGaussians *gaussians, const real pose[16]);
 void ffp_gaussians_keep_drawn(FfpGaussians *gaussians);
 
 // Binary little-endian PLY with the 3DGS property names, plus base_color_0..2 and roughness (see
-// docs/reference/formats.md): opens in splat viewers and reads back exactly in fp32 up to the logit/log
-// encodings. Values are checked when read: counts, sizes, finite numbers. Splats of opacity below
+// docs/reference/formats/gaussians.md): opens in splat viewers and reads back exactly in fp32 up to the
+// logit/log encodings. Values are checked when read: counts, sizes, finite numbers. Splats of opacity below
 // `opacity_min` are left out when writing (0 keeps all). Plain splats of other programs (3DGS, 2DGS, gsplat)
 // are read too: their colour f_dc becomes albedo (within [0,1]) and ambient colour, the roughness is 0.5, and
 // discs become 1 % as thick as their smaller radius; a note says so. f_rest is not used.

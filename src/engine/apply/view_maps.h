@@ -10,7 +10,7 @@ typedef struct FfpViewMapStats {
     double lit_share;  // of the projector's pixels that fall on the object
 } FfpViewMapStats;
 
-// Linear images called as the files are (docs/reference/formats.md): camera_to_projector,
+// Linear images called as the files are (docs/reference/formats/pictures.md): camera_to_projector,
 // projector_to_camera, projector_sees, lit, incidence, density, resolution, illuminance.
 FfpImages *ffp_view_maps(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *view,
                          const FfpRenderSettings *settings, FfpViewMapStats *stats);

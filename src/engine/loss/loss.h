@@ -55,8 +55,8 @@ void ffp_losses_defer(void);
 void ffp_loss_add(double *sum, double weight, double value);
 void ffp_losses_collect(void);
 
-// Perceptual networks, read from safetensors (docs/reference/formats.md): LPIPS with AlexNet or SqueezeNet,
-// VGG16 up to relu2_2.
+// Perceptual networks, read from safetensors (docs/reference/formats/weights.md): LPIPS with AlexNet or
+// SqueezeNet, VGG16 up to relu2_2.
 typedef struct FfpPerceptual FfpPerceptual;
 // `kind` is given by the file's tensor names. Errors: missing file, missing or misshapen tensor.
 FfpPerceptual *ffp_perceptual_read(const char *path, FfpError *err);

@@ -1,5 +1,5 @@
-// Perceptual networks out of safetensors files (docs/reference/formats.md; python/ffprocams/perceptual.py
-// writes them).
+// Perceptual networks out of safetensors files (docs/reference/formats/weights.md;
+// python/ffprocams/perceptual.py writes them).
 #include <stdio.h>
 #include <tgmath.h>
 #include "core/tensor/safetensors.h"

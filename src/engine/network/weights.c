@@ -1,4 +1,5 @@
-// The weights file: safetensors, the configuration as strings in its metadata (docs/reference/formats.md).
+// The weights file: safetensors, the configuration as strings in its metadata
+// (docs/reference/formats/weights.md).
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -14,94 +14,122 @@ typedef struct Field {
     Kind kind;
     size_t offset;
     double low, high; // TEXT: high is the size of the char array
+    const char *help; // its row in docs/reference/training.md
 } Field;
 
 #define AT(field) offsetof(FfpTrainConfig, field)
 #define MODEL_AT(field) offsetof(FfpModelConfig, field)
 
 static const Field train_fields[] = {
-    {"seed", INT64, AT(seed), 0, 9e15},
-    {"steps", INT64, AT(steps), 1, 1e9},
-    {"batch", INT, AT(batch), 1, 65536},
-    {"pool", INT, AT(pool), 1, 65536},
-    {"reuse", INT, AT(reuse), 1, 1000000},
-    {"views", INT, AT(views), 1, FFP_TRAIN_VIEWS_MAX},
-    {"targets", INT, AT(targets), 0, FFP_TRAIN_VIEWS_MAX},
-    {"lollipops", INT, AT(lollipops), 1, 16},
-    {"resolution", INT, AT(resolution), 8, 1024},
-    {"pattern_side", INT, AT(pattern_side), 64, 4096},
-    {"samples", INT, AT(samples), 1, 1024},
-    {"ambient_rays", INT, AT(ambient_rays), 1, 256},
-    {"sensor_share", DOUBLE, AT(sensor_share), 0, 1},
-    {"material_share", DOUBLE, AT(material_share), 0, 1},
-    {"materials", TEXT, AT(materials), 0, sizeof(((FfpTrainConfig *)0)->materials)},
-    {"pattern_share", DOUBLE, AT(pattern_share), 0, 1},
-    {"patterns", TEXT, AT(patterns), 0, sizeof(((FfpTrainConfig *)0)->patterns)},
-    {"room_share", DOUBLE, AT(room_share), 0, 1},
-    {"rooms", TEXT, AT(rooms), 0, sizeof(((FfpTrainConfig *)0)->rooms)},
-    {"views_least", INT, AT(views_least), 0, FFP_TRAIN_VIEWS_MAX},
-    {"free_share", DOUBLE, AT(free_share), 0, 1},
-    {"large_share", DOUBLE, AT(large_share), 0, 1},
-    {"large_resolution", INT, AT(large_resolution), 8, 1024},
-    {"captures", TEXT, AT(captures), 0, sizeof(((FfpTrainConfig *)0)->captures)},
-    {"patience", INT, AT(patience), 0, 1e9},
-    {"scenes", TEXT, AT(scenes), 0, sizeof(((FfpTrainConfig *)0)->scenes)},
-    {"generators", INT, AT(generators), 0, 64},
-    {"queue", INT, AT(queue), 1, 1024},
-    {"supervised_inputs", INT, AT(supervised_inputs), 0, FFP_TRAIN_VIEWS_MAX},
-    {"supervised_targets", INT, AT(supervised_targets), 0, FFP_TRAIN_VIEWS_MAX},
-    {"polish_share", DOUBLE, AT(polish_share), 0, 1},
-    {"polish_steps", INT, AT(polish_steps), 1, 100000},
-    {"l1", DOUBLE, AT(l1), 0, 1e4},
-    {"ssim", DOUBLE, AT(ssim), 0, 1e4},
-    {"perceptual", DOUBLE, AT(perceptual), 0, 1e4},
-    {"mask", DOUBLE, AT(mask), 0, 1e4},
-    {"depth", DOUBLE, AT(depth), 0, 1e4},
-    {"distortion", DOUBLE, AT(distortion), 0, 1e4},
-    {"normal_smooth", DOUBLE, AT(normal_smooth), 0, 1e4},
-    {"roughness_smooth", DOUBLE, AT(roughness_smooth), 0, 1e4},
-    {"direct_t", DOUBLE, AT(direct_t), 0, 1e4},
-    {"truth_albedo", DOUBLE, AT(truth_albedo), 0, 1e4},
-    {"truth_normal", DOUBLE, AT(truth_normal), 0, 1e4},
-    {"truth_roughness", DOUBLE, AT(truth_roughness), 0, 1e4},
-    {"perceptual_from", INT, AT(perceptual_from), 0, 1e9},
-    {"white_from", INT, AT(white_from), 0, 1e9},
-    {"active_from", INT, AT(active_from), 0, 1e9},
-    {"learning_rate", DOUBLE, AT(learning_rate), 0, 1},
-    {"final_learning_rate", DOUBLE, AT(final_learning_rate), 0, 1},
-    {"beta1", DOUBLE, AT(beta1), 0, 0.99999},
-    {"beta2", DOUBLE, AT(beta2), 0, 0.99999},
-    {"weight_decay", DOUBLE, AT(weight_decay), 0, 10},
-    {"clip", DOUBLE, AT(clip), 1e-6, 1e6},
-    {"skip_above", DOUBLE, AT(skip_above), 1, 1e9},
-    {"ema", DOUBLE, AT(ema), 0, 0.999999},
-    {"warmup_steps", INT, AT(warmup_steps), 0, 1e9},
-    {"recompute", BOOL, AT(recompute), 0, 1},
-    {"validate_every", INT, AT(validate_every), 0, 1e9},
-    {"validation_scenes", INT, AT(validation_scenes), 1, 1000},
-    {"checkpoint_minutes", INT, AT(checkpoint_minutes), 1, 10000},
-    {"checkpoint_steps", INT, AT(checkpoint_steps), 0, 1e9},
-    {"log_every", INT, AT(log_every), 1, 1e6},
+    {"seed", INT64, AT(seed), 0, 9e15, "seed of all random numbers"},
+    {"steps", INT64, AT(steps), 1, 1e9, "updates of the weights"},
+    {"batch", INT, AT(batch), 1, 65536,
+     "scenes whose gradients are averaged in a step, by all ranks together"},
+    {"pool", INT, AT(pool), 1, 65536, "scenes alive at a time, visited in turn"},
+    {"reuse", INT, AT(reuse), 1, 1000000, "uses of each scene"},
+    {"views", INT, AT(views), 1, FFP_TRAIN_VIEWS_MAX, "input views of a scene"},
+    {"targets", INT, AT(targets), 0, FFP_TRAIN_VIEWS_MAX, "new poses of a scene"},
+    {"lollipops", INT, AT(lollipops), 1, 16, "patterns besides black and white"},
+    {"resolution", INT, AT(resolution), 8, 1024, "image side, pixels; a multiple of the model's patch"},
+    {"pattern_side", INT, AT(pattern_side), 64, 4096, "side of generated patterns, pixels"},
+    {"samples", INT, AT(samples), 1, 1024, "rays per pixel of the generator"},
+    {"ambient_rays", INT, AT(ambient_rays), 1, 256, "rays per sample for ambient light"},
+    {"sensor_share", DOUBLE, AT(sensor_share), 0, 1,
+     "share of the scenes seen through a sensor model of random strength: noise, defocus, wrong poses"},
+    {"material_share", DOUBLE, AT(material_share), 0, 1,
+     "share of the scenes with a material of the folder `materials`"},
+    {"materials", TEXT, AT(materials), 0, sizeof(((FfpTrainConfig *)0)->materials),
+     "folder of pictures, as of `generate --materials`"},
+    {"pattern_share", DOUBLE, AT(pattern_share), 0, 1,
+     "share of the scenes whose lollipops, all but the first, are pictures of the folder `patterns`"},
+    {"patterns", TEXT, AT(patterns), 0, sizeof(((FfpTrainConfig *)0)->patterns),
+     "folder of pictures, as of `generate --patterns`"},
+    {"room_share", DOUBLE, AT(room_share), 0, 1,
+     "share of the scenes that are captures of the folder `rooms`"},
+    {"rooms", TEXT, AT(rooms), 0, sizeof(((FfpTrainConfig *)0)->rooms),
+     "folder made by `script/training-rooms`"},
+    {"views_least", INT, AT(views_least), 0, FFP_TRAIN_VIEWS_MAX,
+     "a scene has between this number and `views` input views; 0: all have `views`"},
+    {"free_share", DOUBLE, AT(free_share), 0, 1, "share of the scenes with a free rig"},
+    {"large_share", DOUBLE, AT(large_share), 0, 1, "share of the scenes made at `large_resolution`"},
+    {"large_resolution", INT, AT(large_resolution), 8, 1024, "image side of these, pixels"},
+    {"captures", TEXT, AT(captures), 0, sizeof(((FfpTrainConfig *)0)->captures),
+     "folder of captures to learn from instead; `train --captures` sets it, and other defaults"},
+    {"patience", INT, AT(patience), 0, 1e9,
+     "with `captures`: steps without a gain on held-out photographs after which the run ends; 0: none"},
+    {"scenes", TEXT, AT(scenes), 0, sizeof(((FfpTrainConfig *)0)->scenes),
+     "folder made by `generate`, from which scenes are taken instead"},
+    {"generators", INT, AT(generators), 0, 64,
+     "threads that make scenes in advance; 0: the training thread makes them. The result is the same"},
+    {"queue", INT, AT(queue), 1, 1024, "scenes made in advance"},
+    {"supervised_inputs", INT, AT(supervised_inputs), 0, FFP_TRAIN_VIEWS_MAX,
+     "input views rendered per step, drawn at random"},
+    {"supervised_targets", INT, AT(supervised_targets), 0, FFP_TRAIN_VIEWS_MAX,
+     "new poses rendered per step, drawn at random"},
+    {"polish_share", DOUBLE, AT(polish_share), 0, 1,
+     "share of the steps whose loss is taken after a fit to the input views"},
+    {"polish_steps", INT, AT(polish_steps), 1, 100000, "steps of that fit"},
+    {"l1", DOUBLE, AT(l1), 0, 1e4, "weight: absolute difference of pictures"},
+    {"ssim", DOUBLE, AT(ssim), 0, 1e4, "weight: 1 - SSIM of pictures"},
+    {"perceptual", DOUBLE, AT(perceptual), 0, 1e4, "weight: perceptual difference of pictures"},
+    {"mask", DOUBLE, AT(mask), 0, 1e4, "weight: coverage"},
+    {"depth", DOUBLE, AT(depth), 0, 1e4, "weight: rendered depth against the truth"},
+    {"distortion", DOUBLE, AT(distortion), 0, 1e4, "weight: spread of the splats along a ray"},
+    {"normal_smooth", DOUBLE, AT(normal_smooth), 0, 1e4, "weight: differences between neighbouring normals"},
+    {"roughness_smooth", DOUBLE, AT(roughness_smooth), 0, 1e4,
+     "weight: differences between neighbouring roughnesses"},
+    {"direct_t", DOUBLE, AT(direct_t), 0, 1e4,
+     "weight: predicted against true distance along the rays, object radii"},
+    {"truth_albedo", DOUBLE, AT(truth_albedo), 0, 1e4, "weight: albedo against the generator's"},
+    {"truth_normal", DOUBLE, AT(truth_normal), 0, 1e4, "weight: normals against the generator's"},
+    {"truth_roughness", DOUBLE, AT(truth_roughness), 0, 1e4, "weight: roughness against the generator's"},
+    {"perceptual_from", INT, AT(perceptual_from), 0, 1e9, "step from which the perceptual term counts"},
+    {"white_from", INT, AT(white_from), 0, 1e9, "step from which pictures under white are supervised"},
+    {"active_from", INT, AT(active_from), 0, 1e9, "step from which pictures under lollipops are supervised"},
+    {"learning_rate", DOUBLE, AT(learning_rate), 0, 1, "of AdamW, after the warm-up"},
+    {"final_learning_rate", DOUBLE, AT(final_learning_rate), 0, 1, "at the end of the cosine"},
+    {"beta1", DOUBLE, AT(beta1), 0, 0.99999, "of AdamW"},
+    {"beta2", DOUBLE, AT(beta2), 0, 0.99999, "of AdamW"},
+    {"weight_decay", DOUBLE, AT(weight_decay), 0, 10, "of AdamW"},
+    {"clip", DOUBLE, AT(clip), 1e-6, 1e6, "largest norm of the gradient"},
+    {"skip_above", DOUBLE, AT(skip_above), 1, 1e9,
+     "a step with a norm above this multiple of `clip` is skipped"},
+    {"ema", DOUBLE, AT(ema), 0, 0.999999, "decay of the weights' average"},
+    {"warmup_steps", INT, AT(warmup_steps), 0, 1e9, "steps of the linear warm-up"},
+    {"recompute", BOOL, AT(recompute), 0, 1,
+     "keep only the inputs of the blocks and run them again in the backward pass: less memory, same bits"},
+    {"validate_every", INT, AT(validate_every), 0, 1e9, "steps between validations; 0: none"},
+    {"validation_scenes", INT, AT(validation_scenes), 1, 1000, "scenes of a validation"},
+    {"checkpoint_minutes", INT, AT(checkpoint_minutes), 1, 10000, "minutes between checkpoints"},
+    {"checkpoint_steps", INT, AT(checkpoint_steps), 0, 1e9, "steps between checkpoints; 0: by time only"},
+    {"log_every", INT, AT(log_every), 1, 1e6, "steps between lines of `metrics.jsonl`"},
 };
 
 // Ranges of the model's fields are checked by the network room; here only that they fit their type.
 static const Field model_fields[] = {
-    {"name", TEXT, MODEL_AT(name), 0, sizeof(((FfpModelConfig *)0)->name)},
-    {"modules", TEXT, MODEL_AT(modules), 0, sizeof(((FfpModelConfig *)0)->modules)},
-    {"dim", INT, MODEL_AT(dim), 1, 1e5},
-    {"patch", INT, MODEL_AT(patch), 1, 1e3},
-    {"state", INT, MODEL_AT(state), 1, 1e4},
-    {"chunk", INT, MODEL_AT(chunk), 1, 1e4},
-    {"residual", BOOL, MODEL_AT(residual), 0, 1},
-    {"match_input", BOOL, MODEL_AT(match_input), 0, 1},
-    {"pixel_skip", BOOL, MODEL_AT(pixel_skip), 0, 1},
-    {"pixel_features", INT, MODEL_AT(pixel_features), 0, 1e4},
-    {"pixel_hidden", INT, MODEL_AT(pixel_hidden), 0, 1e4},
-    {"context_inputs", BOOL, MODEL_AT(context_inputs), 0, 1},
-    {"appearance_cnn", BOOL, MODEL_AT(appearance_cnn), 0, 1},
-    {"tokens", INT, MODEL_AT(tokens), 1, 1e6},
-    {"render", TEXT, MODEL_AT(render), 0, sizeof(((FfpModelConfig *)0)->render)},
-    {"samples", INT, MODEL_AT(samples), 1, 1e2},
+    {"name", TEXT, MODEL_AT(name), 0, sizeof(((FfpModelConfig *)0)->name), "kept in the weights' file"},
+    {"modules", TEXT, MODEL_AT(modules), 0, sizeof(((FfpModelConfig *)0)->modules),
+     "a letter for each block: M is Mamba2, T a Transformer"},
+    {"dim", INT, MODEL_AT(dim), 1, 1e5, "width of the tokens"},
+    {"patch", INT, MODEL_AT(patch), 1, 1e3, "side of a token, pixels"},
+    {"state", INT, MODEL_AT(state), 1, 1e4, "state of a Mamba2 block"},
+    {"chunk", INT, MODEL_AT(chunk), 1, 1e4, "tokens that Mamba2 processes together"},
+    {"residual", BOOL, MODEL_AT(residual), 0, 1,
+     "heads are residuals around the classical initialisation; otherwise the paper's heads"},
+    {"match_input", BOOL, MODEL_AT(match_input), 0, 1, "the classical initialisation's maps are inputs"},
+    {"pixel_skip", BOOL, MODEL_AT(pixel_skip), 0, 1,
+     "a small MLP per pixel combines its token's features with the pixel's own inputs"},
+    {"pixel_features", INT, MODEL_AT(pixel_features), 0, 1e4, "features that this MLP takes from the token"},
+    {"pixel_hidden", INT, MODEL_AT(pixel_hidden), 0, 1e4, "its hidden units"},
+    {"context_inputs", BOOL, MODEL_AT(context_inputs), 0, 1,
+     "more inputs of this MLP where the context has fewer pixels than the picture"},
+    {"appearance_cnn", BOOL, MODEL_AT(appearance_cnn), 0, 1,
+     "two 3 x 3 convolutions over the tokens before albedo, roughness and ambient colour"},
+    {"tokens", INT, MODEL_AT(tokens), 1, 1e6,
+     "the most for up to 16 views, in proportion for more; larger captures are reduced"},
+    {"render", TEXT, MODEL_AT(render), 0, sizeof(((FfpModelConfig *)0)->render),
+     "how the Gaussians are drawn: `ours` or `paper`"},
+    {"samples", INT, MODEL_AT(samples), 1, 1e2, "samples per side of a pixel when drawing, 1 to 4"},
 };
 
 #define COUNT(table) ((int)(sizeof(table) / sizeof((table)[0])))
@@ -388,6 +416,40 @@ static bool print_fields(json_t *object, const void *base, const Field *fields, 
                             fields[i].kind == TEXT ? "is not UTF-8, the encoding of the configuration"
                                                    : "cannot be written as a JSON number");
     return true;
+}
+
+// A field's value as JSON, with as few digits as it was given.
+static void write_value(FILE *out, const void *base, const Field *field) {
+    json_t *value = value_of(base, field);
+    char *text = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(6));
+    fprintf(out, "`%s`", text ? text : "");
+    free(text);
+    json_decref(value);
+}
+
+void ffp_train_write_fields(FILE *out) {
+    const FfpTrainConfig plain = ffp_train_defaults(), fine = ffp_fine_tuning_defaults();
+    fputs("| field | default | with `--captures` | range | meaning |\n|---|---|---|---|---|\n", out);
+    for (int i = 0; i < COUNT(train_fields); i++) {
+        const Field *field = &train_fields[i];
+        fprintf(out, "| `%s` | ", field->name);
+        write_value(out, &plain, field);
+        json_t *one = value_of(&plain, field), *other = value_of(&fine, field);
+        fputs(" | ", out);
+        if (!json_equal(one, other)) write_value(out, &fine, field);
+        json_decref(one);
+        json_decref(other);
+        if (field->kind == TEXT || field->kind == BOOL)
+            fprintf(out, " | %s | %s |\n", field->kind == TEXT ? "text" : "bool", field->help);
+        else
+            fprintf(out, " | %g to %g | %s |\n", field->low, field->high, field->help);
+    }
+    fputs("\n| field of `model` | of the preset `small` | meaning |\n|---|---|---|\n", out);
+    for (int i = 0; i < COUNT(model_fields); i++) {
+        fprintf(out, "| `%s` | ", model_fields[i].name);
+        write_value(out, &plain.model, &model_fields[i]);
+        fprintf(out, " | %s |\n", model_fields[i].help);
+    }
 }
 
 char *ffp_train_config_print(const FfpTrainConfig *config, FfpError *err) {

@@ -18,7 +18,7 @@
 
 #define FFP_TRAIN_VIEWS_MAX 64 // input views of a scene, and new poses
 
-// Every field has the same name in the configuration file (JSON, see docs/reference/formats.md); the ranges
+// Every field has the same name in the configuration file (JSON, see docs/reference/training.md); ranges
 // are in config.c.
 typedef struct FfpTrainConfig {
     FfpModelConfig model; // "model": a preset's name, or an object with a "preset" and the fields that differ
@@ -82,6 +82,8 @@ bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char
 // JSON text, released with ffp_free; reads back to the same configuration. NULL with an error where a text in
 // it is not UTF-8.
 char *ffp_train_config_print(const FfpTrainConfig *config, FfpError *err);
+// The fields as tables of Markdown: names, defaults, ranges, meanings. docs/reference/training.md has them.
+void ffp_train_write_fields(FILE *out);
 
 // --- The parts, in the order of a step; used by ffp_train and by the tests. ---
 

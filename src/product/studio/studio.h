@@ -1,6 +1,6 @@
 // The studio: a server on this machine's loopback address, and the page that it serves, from a bare projector
 // and a camera to the relit object. Whatever it makes is made by the program's other commands, which it runs
-// as anybody would; its state is the files of one folder (docs/reference/formats.md, "The studio's folder").
+// as anybody would; its state is the files of one folder (docs/reference/formats/studio.md).
 #ifndef FFP_STUDIO_STUDIO_H
 #define FFP_STUDIO_STUDIO_H
 

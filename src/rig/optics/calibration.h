@@ -1,5 +1,5 @@
 // The results of a calibration tool for camera and projector, in our conventions
-// (docs/reference/formats.md, "Import").
+// (docs/reference/formats/calibrations.md).
 #ifndef FFP_RIG_CALIBRATION_H
 #define FFP_RIG_CALIBRATION_H
 

@@ -8,9 +8,9 @@
 
 typedef struct FfpTextures FfpTextures;
 
-// Finds the maps in `folder` by the words of their names (docs/reference/formats.md): a base colour, which
-// must be there, roughness and normals. A metallic map is not used, with a warning: the light model knows
-// dielectrics only. NULL with an error.
+// Finds the maps in `folder` by the words of their names (docs/reference/formats/pictures.md): a base colour,
+// which must be there, roughness and normals. A metallic map is not used, with a warning: the light model
+// knows dielectrics only. NULL with an error.
 FfpTextures *ffp_textures_read(const char *folder, FfpError *err);
 // The same without the warning, and without the note on a roughness that no map gives.
 FfpTextures *ffp_textures_read_silently(const char *folder, FfpError *err);

@@ -138,11 +138,44 @@ static void test_schedule(void **state) {
     assert_float_equal(ffp_learning_rate(&config, 5000), 1e-6, 1e-12);
 }
 
+#define PAGE FFP_SOURCE_DIR "/docs/reference/training.md"
+#define BEGIN "<!-- fields: FFP_WRITE=1 build/test_config writes them -->\n\n"
+#define END "\n<!-- end of fields -->\n"
+
+// docs/reference/training.md has the tables of config.c between its two comments; FFP_WRITE=1 writes them.
+static void the_page_has_the_fields(void **state) {
+    (void)state;
+    char *page = NULL, *text = NULL;
+    size_t size = 0;
+    FfpError err = {0};
+    assert_true(ffp_read_text(PAGE, 1 << 20, &page, &size, &err));
+    char *begin = strstr(page, BEGIN), *end = begin ? strstr(begin, END) : NULL;
+    assert_non_null(end);
+    begin += strlen(BEGIN);
+    FILE *out = open_memstream(&text, &size);
+    ffp_train_write_fields(out);
+    fclose(out);
+    if (getenv("FFP_WRITE")) {
+        out = fopen(PAGE, "w");
+        assert_non_null(out);
+        fprintf(out, "%.*s%s%s", (int)(begin - page), page, text, end);
+        fclose(out);
+    } else if ((size_t)(end - begin) != size || memcmp(begin, text, size) != 0) {
+        fail_msg("the fields of %s are not those of config.c: FFP_WRITE=1 writes them", PAGE);
+    }
+    free(text);
+    ffp_free(page);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bad_fields),      cmocka_unit_test(test_defaults_learn_from_captures),
-        cmocka_unit_test(test_round_trip),      cmocka_unit_test(test_a_path_that_is_not_utf8_is_not_lost),
-        cmocka_unit_test(test_byte_order_mark), cmocka_unit_test(test_schedule),
+        cmocka_unit_test(test_bad_fields),
+        cmocka_unit_test(the_page_has_the_fields),
+        cmocka_unit_test(test_defaults_learn_from_captures),
+        cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_a_path_that_is_not_utf8_is_not_lost),
+        cmocka_unit_test(test_byte_order_mark),
+        cmocka_unit_test(test_schedule),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }
