@@ -2,7 +2,7 @@
 //   contact_sheets meshes FILE.png      every mesh, grey, under the default rig's lamp
 //   contact_sheets materials FILE.png   every material on a ball, in the colours of two seeds
 //   contact_sheets patterns FILE.png    the natural patterns of the test scenes
-//   contact_sheets tables               the histograms of docs/design/data.md, as Markdown
+//   contact_sheets tables               histograms of what docs/design/data.md has in figures, as Markdown
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
