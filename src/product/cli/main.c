@@ -21,8 +21,8 @@ static const FfpOption options[] = {
     {.name = "pages",
      .argument = "DIR",
      .type = FFP_OPTION_FOLDER,
-     .help = "write the manual pages of all commands and ffprocams-completion.bash, for completion in bash, "
-             "to this folder"},
+     .help = "write the manual pages of all commands, ffprocams-completion.bash, for completion in bash, and "
+             "ffprocams-options.md, the reference of all options, to this folder"},
     {.name = "events",
      .argument = "FD COMMAND...",
      .type = FFP_OPTION_TEXT,

@@ -166,15 +166,18 @@ static int cannot_write(const char *path) {
     return ffp_cli_fail(&err);
 }
 
-// A man page, or the completion when there is no page. Whole or not at all: under another name first.
-static bool write_page(const FfpProgram *program, bool completion, const FfpCommand *command,
-                       const char *path) {
+typedef enum Kind { MAN, COMPLETION, REFERENCE } Kind;
+
+// Whole or not at all: under another name first. `command`: of a man page.
+static bool write_page(const FfpProgram *program, Kind kind, const FfpCommand *command, const char *path) {
     char temporary[1100];
     snprintf(temporary, sizeof temporary, "%s.%ld.tmp", path, (long)getpid());
     FILE *out = fopen(temporary, "w");
     if (!out) return false;
-    if (completion)
+    if (kind == COMPLETION)
         ffp_cli_completion(program, out);
+    else if (kind == REFERENCE)
+        ffp_cli_reference(program, out);
     else
         ffp_cli_man(program, command, out);
     bool ok = fflush(out) == 0 && !ferror(out);
@@ -204,12 +207,14 @@ int ffp_cli_pages(const FfpProgram *program, const char *folder) {
     char path[1024];
     if (!make_folder(folder)) return cannot_write(folder);
     snprintf(path, sizeof path, "%s/%s-completion.bash", folder, program->name);
-    if (!write_page(program, true, NULL, path)) return cannot_write(path);
+    if (!write_page(program, COMPLETION, NULL, path)) return cannot_write(path);
+    snprintf(path, sizeof path, "%s/%s-options.md", folder, program->name);
+    if (!write_page(program, REFERENCE, NULL, path)) return cannot_write(path);
     snprintf(path, sizeof path, "%s/%s.1", folder, program->name);
-    if (!write_page(program, false, NULL, path)) return cannot_write(path);
+    if (!write_page(program, MAN, NULL, path)) return cannot_write(path);
     for (const FfpCommand *const *at = program->commands; *at; at++) {
         snprintf(path, sizeof path, "%s/%s-%s.1", folder, program->name, (*at)->name);
-        if (!write_page(program, false, *at, path)) return cannot_write(path);
+        if (!write_page(program, MAN, *at, path)) return cannot_write(path);
     }
     return FFP_EXIT_OK;
 }

@@ -1,5 +1,5 @@
-// One table per command: its name, its purpose, its arguments and options. Parsing, --help, the man page and
-// bash completion are all derived from it.
+// One table per command: its name, its purpose, its arguments and options. Parsing, --help, the man page,
+// bash completion and docs/reference/options.md are all derived from it.
 #ifndef FFP_CLI_OPTIONS_H
 #define FFP_CLI_OPTIONS_H
 
@@ -127,7 +127,8 @@ void ffp_cli_program_help(const FfpProgram *program, FILE *out);
 // Manual pages of section 1; `command` NULL: the program's own.
 void ffp_cli_man(const FfpProgram *program, const FfpCommand *command, FILE *out);
 void ffp_cli_completion(const FfpProgram *program, FILE *out); // a script for bash
-// Writes all man pages and the completion into a folder; an exit code.
+void ffp_cli_reference(const FfpProgram *program, FILE *out);  // all options, as Markdown
+// Writes all man pages, the completion and the reference into a folder; an exit code.
 int ffp_cli_pages(const FfpProgram *program, const char *folder);
 
 #endif

@@ -69,6 +69,25 @@ static void a_page_says_what_help_says(void **state) {
     ffp_free(text);
 }
 
+#define REFERENCE FFP_SOURCE_DIR "/docs/reference/options.md"
+
+// docs/reference/options.md is what the program writes: FFP_WRITE=1 writes it.
+static void the_reference_is_that_of_the_tables(void **state) {
+    (void)state;
+    char *text = read_page("ffprocams-options.md"), *page = NULL;
+    size_t size = 0;
+    if (getenv("FFP_WRITE")) {
+        FILE *out = fopen(REFERENCE, "w");
+        assert_non_null(out);
+        fputs(text, out);
+        fclose(out);
+    }
+    assert_true(ffp_read_file(REFERENCE, 1 << 20, &page, &size, NULL));
+    if (strcmp(text, page) != 0) fail_msg("%s is not that of the tables: FFP_WRITE=1 writes it", REFERENCE);
+    ffp_free(text);
+    ffp_free(page);
+}
+
 // What bash would offer behind these words.
 static void completes(const char *words, const char *offered) {
     char command[1024], path[128], text[4096];
@@ -140,6 +159,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_command_has_a_page_that_renders),
         cmocka_unit_test(a_page_says_what_help_says),
+        cmocka_unit_test(the_reference_is_that_of_the_tables),
         cmocka_unit_test(bash_completes_commands_options_and_values),
         cmocka_unit_test(pages_that_cannot_be_written_are_an_error),
     };
