@@ -9,6 +9,9 @@ precision highp sampler2D;
 #define HOLD_MARGIN 0.15
 #define LOG2_E 1.4426950408889634
 #define PI 3.14159265358979324
+#define LIT 1.0    // in the maps of a correction: a pixel that the camera sees lit
+#define HIDDEN 0.5 // ... one of the object that it does not
+#define NOWHERE 65535u
 
 // Targets are drawn with row 0 on top, as pictures lie in memory: gl_FragCoord is the pixel position.
 

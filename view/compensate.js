@@ -1,105 +1,124 @@
 'use strict';
 // The pattern that makes a camera see the projector's content on the object, in closed form (engine/apply/closed.c),
 // for each projector separately: 'colours' asks for the content's light times a gain, 'paint' for the look of
-// the object between dark and full light.
+// the object between dark and full light. The Gaussians are drawn at the pattern's own pixels, as the projector
+// sees them, and each of these asks the target for what the camera should see of its point.
 
-class Compensator {
-  constructor(renderer) {
-    this.renderer = renderer;
-    this.view = new GbufferView(renderer);
-  }
+const TILE = [1024, 512];                  // pixels drawn at once
+const COARSE = 4;                          // pixels of the pattern a side for one of the maps, while things move
+const TARGET_MAX = 2048, SEEN_SIDE = 1024; // longer sides, pixels: of the target, of the map of what the camera sees
+const HOLE_MAX = 64;                       // pixels of the pattern over which others lend their levels
 
-  // The light that each camera pixel can receive; kept while camera and projector do not move.
-  drawResponse(projector, camera) {
-    const {renderer, view} = this, {graphics} = renderer, {gl} = graphics, format = renderer.sumFormat;
-    renderer.drawShadow(projector);
-    view.draw(camera, renderer.settings.samples);
-    const key = JSON.stringify([view.key, projector.device, projector.brightness]);
+// What a projector's pixels light, and where one camera sees it. Kept while neither moves.
+class CorrectionMaps {
+  constructor(renderer) { this.renderer = renderer; }
+
+  // `grid`: the projector, a pixel for each of the maps, which is `times` of the pattern's a side.
+  draw(grid, camera, times) {
+    const key = JSON.stringify([grid, camera]);
     if (key === this.key) return;
-    this.response = graphics.fit(this.response, camera.width, camera.height, [gl.RGBA32F, gl.RGBA32F, gl.RGBA32F]);
-    graphics.fill(this.response, ['gbuffer.glsl', 'light.glsl', 'response.frag'],
-                  {...view.uniforms(view.mean()), ...renderer.lightUniforms(projector, camera), u_white: true});
-    this.footprint = this.typicalFootprint();
+    this.key = ''; // until all is drawn
+    const {renderer} = this, {graphics, sumFormat} = renderer, {gl} = graphics;
+    const fineness = (d) => d.fx / Math.max(renderer.centreDepth(d), 0.1 * (renderer.scene.radius || 1));
+    const wider = times * fineness(grid) / fineness(camera), longer = Math.max(camera.width, camera.height);
+    this.target = shadowDevice(camera, Math.min(wider * longer, TARGET_MAX)); // about as fine as the pattern
+    const seen = shadowDevice(camera, SEEN_SIDE / times);
+    this.seen = graphics.fit(this.seen, seen.width, seen.height, [sumFormat]);
+    renderer.rasterise(this.seen, seen, renderer.centreDepth(camera), 'shadow.frag');
+    this.maps = graphics.fit(this.maps, grid.width, grid.height, [gl.RGBA16F, gl.RGBA16F, gl.RG32F]);
+    this.drawTiles(grid, camera);
+    this.findNear(HOLE_MAX / times, clamp(wider, 1, HOLE_MAX) / times);
     this.key = key;
   }
 
-  // typical_footprint of engine/apply/closed.c
-  typicalFootprint() {
-    const texels = this.renderer.graphics.readFloats(this.response, 2);
-    let sum = 0, count = 0;
-    for (let i = 0; i < texels.length; i += 4)
-      if (texels[i + 2] > 0) sum += Math.max(texels[i], texels[i + 1]), count++;
-    return count ? Math.min(Math.ceil(sum / count), 64) : 1;
+  drawTiles(grid, camera) {
+    const {renderer} = this, {graphics, sumFormat, settings} = renderer, {gl} = graphics, depth = renderer.centreDepth(grid);
+    const sums = graphics.target(...TILE, [sumFormat, sumFormat, sumFormat, sumFormat]), [u_g0, u_g1, u_g2, u_g3] = sums.textures;
+    for (let y = 0; y < grid.height; y += TILE[1])
+      for (let x = 0; x < grid.width; x += TILE[0]) {
+        renderer.rasterise(sums, grid, depth, 'splats.frag', [x, y]);
+        gl.enable(gl.SCISSOR_TEST);
+        gl.scissor(x, y, ...TILE);
+        graphics.fill(this.maps, ['gbuffer.glsl', 'light.glsl', 'response.frag'], {
+          u_g0, u_g1, u_g2, u_g3, u_depth: depth, u_corner: [x, y], ...deviceUniforms('camera', grid), ...deviceUniforms('projector', this.target),
+          u_shadow: this.seen.textures[0], u_shadow_depth: renderer.centreDepth(camera), u_shadow_bias: settings.shadow_bias,
+          u_shadows: true, u_footprint: false, u_intensity: renderer.scene.intensity,
+        });
+        gl.disable(gl.SCISSOR_TEST);
+      }
+    graphics.free(sums);
   }
 
-  drawTarget(projector, camera) {
-    const {graphics} = this.renderer;
-    if (!this.canvas || this.canvas.width !== camera.width || this.canvas.height !== camera.height) {
+  // Holes in the object and its outline take the level of the nearest pixel that has one.
+  findNear(within, beyond) {
+    const {graphics} = this.renderer, {gl} = graphics, {width, height} = this.maps;
+    let spare = graphics.target(width, height, [gl.RG16UI]);
+    this.near = graphics.fit(this.near, width, height, [gl.RG16UI]);
+    const pass = (u_step) => {
+      graphics.fill(spare, ['near.frag'], {u_response: this.maps.textures[0], u_near: this.near.textures[0], u_step, u_limits: [within, beyond]});
+      [this.near, spare] = [spare, this.near];
+    };
+    pass(0);
+    for (let step = 2 ** Math.floor(Math.log2(within)); step >= 1; step /= 2) pass(step);
+    graphics.free(spare);
+  }
+
+  free() { for (const target of [this.seen, this.maps, this.near]) this.renderer.graphics.free(target); }
+}
+
+class Compensator {
+  constructor(renderer) { this.renderer = renderer; }
+
+  drawTarget(projector, {width, height}) {
+    if (!this.canvas || this.canvas.width !== width || this.canvas.height !== height) {
       if (this.target) this.target.free();
-      this.canvas = makeCanvas(camera.width, camera.height);
-      this.target = new PatternTexture(graphics, camera.width, camera.height);
+      this.canvas = makeCanvas(width, height);
+      this.target = new PatternTexture(this.renderer.graphics, width, height);
     }
     const context = this.canvas.getContext('2d');
     context.fillStyle = '#000'; // what is transparent, as around text and logos, is to stay dark
-    context.fillRect(0, 0, camera.width, camera.height);
-    projector.content.draw(context, camera.width, camera.height, projector.fit);
+    context.fillRect(0, 0, width, height);
+    projector.content.draw(context, width, height, projector.fit);
     this.target.set(this.canvas);
   }
 
-  // Cells of the camera into the projector, near ones in front.
-  gather(projector, camera) {
-    const {graphics} = this.renderer, {gl} = graphics, d = projector.device;
-    const radius = this.renderer.scene.radius || 1, depth = this.renderer.centreDepth(d);
-    this.known = graphics.fit(this.known, d.width, d.height, [gl.RGBA32F], true);
-    this.grown = graphics.fit(this.grown, d.width, d.height, [gl.RGBA32F], true);
-    graphics.clear(this.known);
-    gl.clearDepth(1);
-    gl.clear(gl.DEPTH_BUFFER_BIT);
-    gl.viewport(0, 0, d.width, d.height);
-    gl.bindVertexArray(graphics.empty);
-    graphics.use(graphics.program('cells.vert', ['cells.frag']), {
-      u_response: this.response.textures[0], u_place: this.response.textures[1], u_wishes: this.wishes.textures[0],
-      projector_size: [d.width, d.height], camera_focal: [camera.fx, camera.fy],
-      u_depths: [Math.max(depth - 4 * radius, 1e-6), depth + 4 * radius],
-    });
-    gl.enable(gl.DEPTH_TEST);
-    gl.depthFunc(gl.LESS);
-    gl.drawArrays(gl.TRIANGLES, 0, 6 * (camera.width - 1) * (camera.height - 1));
-    gl.disable(gl.DEPTH_TEST);
-    for (let i = 0; i < this.footprint; i++) {
-      graphics.fill(this.grown, ['grow.frag'], {u_known: this.known.textures[0]});
-      [this.known, this.grown] = [this.grown, this.known];
-    }
-  }
-
-  paintTexture(projector) {
-    if (!this.paint || this.paint.width !== projector.paint.width || this.paint.height !== projector.paint.height) {
+  paintTexture({paint}) {
+    if (!this.paint || this.paint.width !== paint.width || this.paint.height !== paint.height) {
       if (this.paint) this.paint.free();
-      this.paint = new PatternTexture(this.renderer.graphics, projector.paint.width, projector.paint.height);
+      this.paint = new PatternTexture(this.renderer.graphics, paint.width, paint.height);
     }
-    this.paint.set(projector.paint, false);
+    this.paint.set(paint, false);
     return this.paint.texture;
   }
 
-  // ffp_procams_closed_form: fills the projector's pattern.
-  solve(projector, camera) {
-    const {renderer, view} = this, {graphics} = renderer, {gl} = graphics;
-    this.drawResponse(projector, camera);
-    this.drawTarget(projector, camera);
-    this.wishes = graphics.fit(this.wishes, camera.width, camera.height, [gl.RGBA32F]);
-    graphics.fill(this.wishes, ['wishes.frag'], {
-      ...view.uniforms(view.mean()), u_response: this.response.textures[0], u_extent: this.response.textures[2],
-      u_target: this.target.texture, u_paint: projector.correction === 'paint', u_gain: 2 ** projector.gain,
-    });
-    this.gather(projector, camera);
-    const {pattern} = projector, framebuffer = gl.createFramebuffer();
+  // Maps at the pattern's pixels, or coarse ones in their place while things move.
+  mapsOf(projector, camera, coarse) {
+    const {grid} = projector, share = (n) => Math.ceil(n / COARSE), {maps} = projector;
+    for (const name of ['fine', 'coarse']) maps[name] = maps[name] || new CorrectionMaps(this.renderer);
+    if (coarse && maps.fine.key !== JSON.stringify([grid, camera])) {
+      maps.coarse.draw(scaleDevice(grid, share(grid.width), share(grid.height)), camera, COARSE);
+      return maps.coarse;
+    }
+    maps.fine.draw(grid, camera, 1);
+    return maps.fine;
+  }
+
+  // ffp_procams_closed_form: fills the projector's pattern. Returns whether it is only a coarse one.
+  solve(projector, camera, coarse) {
+    const {graphics} = this.renderer, {gl} = graphics, {pattern} = projector, made = this.mapsOf(projector, camera, coarse);
+    const [u_response, u_ambient, u_place] = made.maps.textures, framebuffer = gl.createFramebuffer();
+    this.drawTarget(projector, made.target);
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, pattern.texture, 0);
-    graphics.fill({framebuffer, width: pattern.width, height: pattern.height}, ['pattern.frag'],
-                  {u_known: this.known.textures[0], u_paint: this.paintTexture(projector)});
+    graphics.fill({framebuffer, width: pattern.width, height: pattern.height}, ['pattern.frag'], {
+      u_response, u_ambient, u_place, u_near: made.near.textures[0], u_target: this.target.texture, u_paint: this.paintTexture(projector),
+      u_share: [made.maps.width / pattern.width, made.maps.height / pattern.height],
+      u_look: projector.correction === 'paint', u_gain: 2 ** projector.gain, u_brightness: projector.brightness,
+    });
     gl.deleteFramebuffer(framebuffer);
     gl.bindTexture(gl.TEXTURE_2D, pattern.texture);
     gl.generateMipmap(gl.TEXTURE_2D);
+    return made === projector.maps.coarse;
   }
 }
 
@@ -109,9 +128,9 @@ const samplesAcross = (panelFocal, idealFocal) => clamp(Math.ceil(idealFocal / p
 // The picture sent to the real projector for its pattern, RGBA bytes {width, height, data}. `panel`: the device of
 // scene.json (docs/reference/formats/capture.md); none: the pattern itself.
 function panelPicture(graphics, projector, panel, kept) {
-  const d = projector.device, original = projector.original || d;
+  const d = projector.grid, {device} = projector, original = projector.original || device;
   const p = panel || {width: d.width, height: d.height, fx: d.fx, fy: d.fy, cx: d.cx, cy: d.cy};
-  const lens = (panel && panel.lens) || [0, 0, 0, 0, 0], zoom = panel ? d.fx / original.fx : 1;
+  const lens = (panel && panel.lens) || [0, 0, 0, 0, 0], zoom = panel ? device.fx / original.fx : 1;
   kept.target = graphics.fit(kept.target, p.width, p.height, [graphics.gl.RGBA8]);
   graphics.fill(kept.target, ['panel.frag'], {
     u_pattern: projector.pattern.texture, ...deviceUniforms('projector', d),

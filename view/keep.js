@@ -205,7 +205,7 @@ async function checkPaint(paint, size) {
   const bytes = readBytes(String(paint)), bitmap = await createImageBitmap(new Blob([bytes], {type: 'image/png'}));
   checkSize('The paint', [bitmap.width, bitmap.height]);
   const canvas = makeCanvas(size.width, size.height);
-  canvas.getContext('2d').drawImage(bitmap, 0, 0);
+  canvas.getContext('2d').drawImage(bitmap, 0, 0, size.width, size.height);
   bitmap.close();
   return canvas;
 }
@@ -218,7 +218,7 @@ async function checkState(app, plain) {
       device: checkDevice(p.device, size), on: p.on !== false, stops: number('projectors: stops', p.stops, -20, 20),
       gain: number('projectors: gain', p.gain, -20, 20), fit: oneOf('projectors: fit', p.fit, ['contain', 'cover', 'stretch']),
       correction: oneOf('projectors: correction', p.correction, ['none', 'paint', 'colours']),
-      watcher: app.scene.views[p.watcher] ? p.watcher : 'now', content: p.content || null, paint: await checkPaint(p.paint, size),
+      watcher: app.scene.views[p.watcher] ? p.watcher : 'now', content: p.content || null, paint: await checkPaint(p.paint, app.projectors[0].paint),
     });
   if (!projectors.length) throw new Message('The stage has no projectors.');
   return {

@@ -6,7 +6,7 @@ uniform vec2 camera_focal, camera_principal, camera_size;
 uniform vec2 projector_focal, projector_principal, projector_size;
 uniform sampler2D u_shadow, u_pattern;
 uniform float u_shadow_depth, u_shadow_bias;
-uniform bool u_shadows, u_footprint, u_white; // white: a pattern of 1 all over
+uniform bool u_shadows, u_footprint;
 uniform int u_levels;                         // of the pattern's mip map
 uniform vec3 u_intensity;
 #define TILT_MAX 4.0
@@ -86,7 +86,6 @@ Mapped map_pixel(ivec2 p, float z) {
 // the pattern itself where the box is at most four pixels on its shorter and sixteen on its longer side,
 // otherwise on the mip level on which it is.
 vec3 box_mean(vec2 at, vec2 extent) {
-  if (u_white) return vec3(1.0);
   float shorter = min(extent.x, extent.y), longer = max(extent.x, extent.y);
   int level = int(clamp(ceil(max(log2(shorter / 4.0), log2(longer / 16.0))), 0.0, float(u_levels - 1)));
   ivec2 size = textureSize(u_pattern, level);
@@ -115,15 +114,8 @@ float lobe(float roughness, float nl, float nv, float nh, float vh) {
   return a2 / (PI * q * q) * F / (4.0 * gv * gl);
 }
 
-// ffp_light_pixel: radiance from the projector, premultiplied by the opacity
-vec3 light_pixel(ivec2 p, Sums s, Mapped m) {
-  if (!(m.visibility > 0.0) || !(s.opacity > OPACITY_MIN)) return vec3(0.0);
-  float z = s.depth / s.opacity;
-  if (!(z > 0.0)) return vec3(0.0);
-  vec3 slope = slope_at(vec2(p) + 0.5), point = camera_position + z * slope;
-  vec3 l = projector_position - point, v = -normalize(slope);
-  float distance = length(l);
-  l /= distance;
+// What of light from direction l goes to v, times the cosine: premultiplied by the opacity.
+vec3 reflected(Sums s, vec3 v, vec3 l) {
   float size = length(s.normal), least = NORMAL_MIN * s.opacity;
   vec3 n = s.normal / max(size, least) * (dot(s.normal, v) < 0.0 ? -1.0 : 1.0);
   float nl = dot(n, l), nv = dot(n, v);
@@ -133,6 +125,18 @@ vec3 light_pixel(ivec2 p, Sums s, Mapped m) {
   h /= h_length;
   float roughness = max(s.roughness / s.opacity, ROUGHNESS_MIN);
   vec3 f = s.albedo / s.opacity / PI + lobe(roughness, nl, nv, dot(n, h), dot(v, h));
-  vec3 light = m.visibility * u_intensity / (distance * distance) * box_mean(m.uv, m.extent);
-  return f * light * nl * s.opacity;
+  return f * nl * s.opacity;
+}
+
+// ffp_light_pixel: radiance from the projector, premultiplied by the opacity
+vec3 light_pixel(ivec2 p, Sums s, Mapped m) {
+  if (!(m.visibility > 0.0) || !(s.opacity > OPACITY_MIN)) return vec3(0.0);
+  float z = s.depth / s.opacity;
+  if (!(z > 0.0)) return vec3(0.0);
+  vec3 slope = slope_at(vec2(p) + 0.5), point = camera_position + z * slope;
+  vec3 l = projector_position - point, v = -normalize(slope);
+  float distance = length(l);
+  vec3 reflection = reflected(s, v, l / distance);
+  if (reflection == vec3(0.0)) return vec3(0.0);
+  return reflection * m.visibility * u_intensity / (distance * distance) * box_mean(m.uv, m.extent);
 }

@@ -6,7 +6,6 @@
 const QUALITIES = [{scale: 1, coarse: false}, {scale: 1, coarse: true}, {scale: 0.6, coarse: true}, {scale: 0.35, coarse: true}];
 const SLOW = 55, FAST = 18; // milliseconds a frame
 const FILLED = 0.88;       // share of the free part that the view's frame takes
-const WATCHER_MAX = 640;    // pixels across, of a camera that a picture is corrected for
 
 // The settings for comparison with a photograph: without anything that the camera did not see.
 const NEUTRAL = {exposure: 0, ambient: true, map: null}, NEUTRAL_PROJECTOR = {stops: 0, correction: 'none', painted: false};
@@ -120,7 +119,7 @@ class App {
 
   addProjector() {
     const like = this.projector ? this.projector.device : (this.at || this.scene.views[0]).projector;
-    const projector = new Projector(this.graphics, {...like}, ++this.numbers);
+    const projector = new Projector(this.graphics, {...like}, this.scene.panel, ++this.numbers);
     if (this.projectors.length) projector.device = {...like, pose: orbit(like.pose, this.scene.centre, this.up, 0.8, 0)};
     projector.original = (this.at || this.scene.views[0]).projector;
     this.projectors.push(projector);
@@ -237,9 +236,9 @@ class App {
       const x = (from[0] + (at[0] - from[0]) * s) * ratio, y = (from[1] + (at[1] - from[1]) * s) * ratio;
       const depth = this.renderer.view.depthUnder(x, y);
       if (!depth) continue;
-      const [u, v, far] = project(projector.device, pointAt(camera, x, y, depth));
+      const {grid} = projector, [u, v, far] = project(grid, pointAt(camera, x, y, depth));
       if (!(far > 0)) continue;
-      const radius = brush.size * ratio * depth / camera.fx * projector.device.fx / far;
+      const radius = brush.size * ratio * depth / camera.fx * grid.fx / far;
       projector.dab(u, v, radius, brush.erase ? null : brush.colour);
     }
     this.invalidate(true);
@@ -328,7 +327,8 @@ class App {
     return this.projectors.some((p) => p.content.live && (lit.includes(p) || (p.on && this.window.isOpen && this.window.projector === p)));
   }
 
-  get moving() { return performance.now() - this.lastChange < 180 || this.playing; }
+  get dragged() { return performance.now() - this.lastChange < 180; }
+  get moving() { return this.dragged || this.playing; }
 
   frame(now) {
     this.pending = false;
@@ -338,8 +338,8 @@ class App {
     if (this.stale || live || this.rough) {
       if (moving) this.adapt(now);
       else this.lastFrame = 0;
-      this.tryDraw(moving ? QUALITIES[this.quality] : QUALITIES[0]);
-      this.rough = moving && this.quality > 0;
+      this.tryDraw(moving ? QUALITIES[this.quality] : QUALITIES[0], this.dragged);
+      this.rough = (moving && this.quality > 0) || this.projectors.some((projector) => projector.coarse);
       this.stale = false;
     }
     if (live || this.rough || this.moving) this.schedule();
@@ -367,37 +367,39 @@ class App {
   watcherOf(projector) {
     const view = this.scene.views[projector.watcher];
     if (view) return view.camera;
-    const base = {...this.base, pose: this.pose}, most = Math.max(base.width, base.height);
-    return most > WATCHER_MAX ? fitDevice(base, Math.round(base.width * WATCHER_MAX / most), Math.round(base.height * WATCHER_MAX / most)) : base;
+    return {...this.base, pose: this.pose};
   }
 
-  // The projectors' patterns, where they have changed.
-  updatePatterns() {
+  // The projectors' patterns, where they have changed; while things move, a correction may be `coarse`.
+  updatePatterns(coarse = false) {
     for (const projector of this.projectors) {
       const watcher = projector.corrected ? this.watcherOf(projector) : null;
       const key = JSON.stringify([watcher, projector.device, projector.correction, projector.gain, projector.stops, projector.fit]);
-      if (!projector.dirty && !projector.content.live && key === projector.patternKey) continue;
-      if (projector.corrected) this.compensator.solve(projector, watcher);
-      else if (projector.dirty || projector.content.live || projector.wasCorrected || projector.shownFit !== projector.fit) projector.drawPattern();
+      if (!projector.dirty && !projector.content.live && key === projector.patternKey && (coarse || !projector.coarse)) continue;
+      projector.coarse = projector.corrected && this.compensator.solve(projector, watcher, coarse);
+      if (!projector.corrected) {
+        projector.freeMaps();
+        if (projector.dirty || projector.content.live || projector.wasCorrected || projector.shownFit !== projector.fit) projector.drawPattern();
+      }
       projector.dirty = false, projector.patternKey = key, projector.wasCorrected = projector.corrected, projector.shownFit = projector.fit;
       this.patternsChanged = true;
     }
   }
 
   // If the driver runs out of memory, a message says so and the page stays as it was.
-  tryDraw(quality) {
+  tryDraw(quality, coarse) {
     try {
-      this.draw(quality);
+      this.draw(quality, coarse);
     } catch (error) {
       if (!(error instanceof Message)) throw error;
       say(error.message);
     }
   }
 
-  draw(quality) {
+  draw(quality, coarse = false) {
     const began = performance.now(), {ratio, side} = this.detail(quality);
     const camera = this.cameraOf(ratio), {canvas} = this;
-    this.updatePatterns();
+    this.updatePatterns(coarse);
     if (canvas.width !== camera.width || canvas.height !== camera.height)
       canvas.width = camera.width, canvas.height = camera.height;
     this.renderer.drawLight(camera, side, this.lit, this.ambient);

@@ -78,16 +78,16 @@ const sampleDevice = (d, side) => ({
   cy: d.cy * side, pose: d.pose,
 });
 
+// The same view in another number of pixels.
+function scaleDevice(d, width, height) {
+  const sx = width / d.width, sy = height / d.height;
+  return {width, height, fx: d.fx * sx, fy: d.fy * sy, cx: d.cx * sx, cy: d.cy * sy, pose: d.pose};
+}
+
 // As shadow_camera in engine/render/mapping.c.
 function shadowDevice(projector, side) {
-  const longer = Math.max(projector.width, projector.height);
-  const width = Math.max(1, Math.floor(projector.width * side / longer));
-  const height = Math.max(1, Math.floor(projector.height * side / longer));
-  const sx = width / projector.width, sy = height / projector.height;
-  return {
-    width, height, fx: projector.fx * sx, fy: projector.fy * sy, cx: projector.cx * sx, cy: projector.cy * sy,
-    pose: projector.pose,
-  };
+  const share = side / Math.max(projector.width, projector.height);
+  return scaleDevice(projector, Math.max(1, Math.floor(projector.width * share)), Math.max(1, Math.floor(projector.height * share)));
 }
 
 const clamp = (x, low, high) => Math.min(Math.max(x, low), high);

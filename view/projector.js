@@ -1,6 +1,9 @@
 'use strict';
 // A projector of the scene: where it is, what it shows, and the paint on top of that. Its content is either
-// the pattern itself, or a target in a camera's frame for which the pattern is found (compensate.js).
+// the pattern itself, or a target in a camera's frame for which the pattern is found (compensate.js). A pattern is at least
+// as fine as the real projector's panel, where the scene has one.
+
+const PATTERN_MAX = 1 << 24; // pixels
 
 const PROJECTOR_COLOURS = ['#f5a524', '#3aa0ff', '#e0569b', '#45c46b', '#9d7bff', '#ff6b4a', '#18b8b0', '#c9c239'];
 
@@ -10,8 +13,16 @@ function makeCanvas(width, height) {
   return canvas;
 }
 
+// The pattern's size: the device's, or larger by as much as a panel (none: null) is finer.
+function patternSize(device, panel, sideMax) {
+  const {width, height} = device, finer = panel ? Math.max(panel.fx / device.fx, panel.fy / device.fy, 1) : 1;
+  const most = Math.max(1, Math.min(Math.sqrt(PATTERN_MAX / (width * height)), sideMax / Math.max(width, height)));
+  return [width, height].map((side) => Math.round(side * Math.min(finer, most)));
+}
+
 class Projector {
-  constructor(graphics, device, number) {
+  constructor(graphics, device, panel, number) {
+    const size = patternSize(device, panel, graphics.sideMax);
     this.graphics = graphics;
     this.number = number;
     this.colour = PROJECTOR_COLOURS[(number - 1) % PROJECTOR_COLOURS.length];
@@ -24,15 +35,18 @@ class Projector {
     this.correction = 'none'; // 'paint' and 'colours': see compensate.js
     this.watcher = 'now';     // the viewpoint that a correction is for: 'now' or a view's number from 0
     this.gain = 0;            // of a target's light, in doublings
-    this.canvas = makeCanvas(device.width, device.height);
+    this.canvas = makeCanvas(...size);
     this.context = this.canvas.getContext('2d', {alpha: false});
-    this.paint = makeCanvas(device.width, device.height);
+    this.paint = makeCanvas(...size);
     this.painted = false;
     this.paintVersion = 0; // counts its changes
-    this.pattern = new PatternTexture(graphics, device.width, device.height);
+    this.pattern = new PatternTexture(graphics, ...size);
+    this.maps = {}; // of a correction
     this.dirty = true;
   }
 
+  // The device with the pattern's pixels.
+  get grid() { return scaleDevice(this.device, this.canvas.width, this.canvas.height); }
   get brightness() { return 2 ** this.stops; }
   get corrected() { return this.correction !== 'none'; }
 
@@ -77,9 +91,15 @@ class Projector {
     this.device = {...d, fx: d.fx * f, fy: d.fy * f};
   }
 
+  freeMaps() {
+    for (const maps of Object.values(this.maps)) maps.free();
+    this.maps = {};
+  }
+
   free() {
     this.content.free();
     this.pattern.free();
+    this.freeMaps();
     this.graphics.free(this.shadow);
   }
 }

@@ -137,16 +137,17 @@ class Renderer {
     return count;
   }
 
-  // ffp_rasterise: sums of what `device` sees, depths counted from `depth`.
-  rasterise(target, device, depth, fragment) {
+  // ffp_rasterise: sums of what `device` sees, depths counted from `depth`. Of a picture larger than the target, the part
+  // that begins at `corner`.
+  rasterise(target, device, depth, fragment, corner = [0, 0]) {
     const {graphics, settings} = this, {gl} = graphics;
     const count = this.putOrder(device.pose);
     graphics.clear(target);
-    gl.viewport(0, 0, target.width, target.height);
+    gl.viewport(-corner[0], -corner[1], device.width, device.height);
     gl.bindVertexArray(this.quads);
     graphics.use(graphics.program('splats.vert', [fragment]), {
       ...this.splats, u_order: this.order, ...deviceUniforms('camera', device), u_blur: settings.blur, u_firmness: settings.firmness,
-      u_compensation: settings.compensation, u_depth: depth,
+      u_compensation: settings.compensation, u_depth: depth, u_corner: corner,
     });
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
@@ -179,13 +180,12 @@ class Renderer {
 
   lightUniforms(projector, camera) {
     const shadows = this.castsShadows(projector);
-    const shown = projector.pattern; // none: only for a pattern of 1 all over
     return {
-      ...deviceUniforms('camera', camera), ...deviceUniforms('projector', projector.device),
+      ...deviceUniforms('camera', camera), ...deviceUniforms('projector', projector.grid),
       u_shadow: shadows ? projector.shadow.textures[0] : null,
       u_shadow_depth: projector.shadowDepth || 0, u_shadow_bias: this.settings.shadow_bias,
-      u_shadows: shadows, u_footprint: this.settings.footprint, u_white: false,
-      u_pattern: shown ? shown.texture : null, u_levels: shown ? shown.levels : 1,
+      u_shadows: shadows, u_footprint: this.settings.footprint,
+      u_pattern: projector.pattern.texture, u_levels: projector.pattern.levels,
       u_intensity: scale3(this.scene.intensity, projector.brightness),
     };
   }

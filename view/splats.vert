@@ -4,6 +4,7 @@ uniform sampler2D u_centres, u_scales, u_rotations, u_albedos, u_ambients;
 uniform mat3 camera_rotation; // columns: the camera's axes in the world
 uniform vec3 camera_position;
 uniform vec2 camera_focal, camera_principal, camera_size;
+uniform vec2 u_corner; // of the part of the picture that is drawn
 uniform float u_blur, u_firmness, u_depth;
 uniform bool u_compensation;
 flat out vec2 f_at;
@@ -58,6 +59,7 @@ void main() {
   vec2 pixel = f_at + corner.x * sqrt(reach * longer) * along +
                corner.y * sqrt(reach * max(shorter, 0.0)) * vec2(-along.y, along.x);
   gl_Position = vec4(2.0 * pixel / camera_size - 1.0, 0.0, 1.0);
+  f_at -= u_corner;
   float power = -0.5 * LOG2_E / det;
   f_power = vec4(power * c, -2.0 * power * b, power * a, opacity);
   vec3 albedo = texelFetch(u_albedos, texel, 0).rgb, ambient = texelFetch(u_ambients, texel, 0).rgb;

@@ -28,7 +28,6 @@ class ProjectorWindow {
     page.title = 'Projector';
     page.body.style.cssText = 'margin:0;background:#000;height:100vh;overflow:hidden;cursor:none';
     this.canvas = page.createElement('canvas');
-    this.canvas.style.cssText = 'display:block;width:100vw;height:100vh;object-fit:contain';
     const hint = page.createElement('p');
     hint.textContent = 'Move this window to the projector, then click it, or press F: full screen.';
     hint.style.cssText = 'position:fixed;left:0;right:0;bottom:8vh;margin:auto;text-align:center;color:#fff;' +
@@ -38,8 +37,20 @@ class ProjectorWindow {
       hint.remove();
       if (page.fullscreenElement) page.exitFullscreen(); else page.documentElement.requestFullscreen().catch(() => {});
     };
+    this.window.addEventListener('resize', () => this.place());
     page.addEventListener('click', full);
     page.addEventListener('keydown', (event) => { if (event.key === 'f' || event.key === 'F') full(); });
+  }
+
+  // A panel's picture lies pixel on pixel, whatever the screen's scale, where the window has room for it; otherwise, as a
+  // pattern for no known panel always, it fills the window.
+  place() {
+    const {width, height} = this.canvas, {devicePixelRatio: ratio, innerWidth, innerHeight} = this.window, pixel = 1 / ratio;
+    const exact = !!this.app.scene.panel && width <= (innerWidth + 1) * ratio && height <= (innerHeight + 1) * ratio;
+    const middle = (free, side) => Math.max(0, Math.floor((free * ratio - side) / 2)) * pixel;
+    this.canvas.style.cssText = 'display:block;position:absolute;' + (exact
+      ? `left:${middle(innerWidth, width)}px;top:${middle(innerHeight, height)}px;width:${width * pixel}px;height:${height * pixel}px;image-rendering:pixelated`
+      : 'left:0;top:0;width:100vw;height:100vh;object-fit:contain');
   }
 
   // After the projector's pattern has changed.
@@ -50,6 +61,7 @@ class ProjectorWindow {
     const {width, height, data} = panelPicture(this.app.graphics, this.projector, this.app.scene.panel, this.kept);
     if (this.canvas.width !== width || this.canvas.height !== height)
       this.canvas.width = width, this.canvas.height = height;
+    this.place();
     if (this.projector.on) this.canvas.getContext('2d').putImageData(new ImageData(data, width, height), 0, 0);
     else this.canvas.getContext('2d').clearRect(0, 0, width, height);
   }
