@@ -189,7 +189,7 @@ static void aim(const Job *job, FfpProCams *procams, bool note) {
 
 // A projector with many pixels for one of the camera's would show that one's outline at every edge: so
 // targets are asked for at up to TIMES_MOST as many pixels a side, where the Gaussians say where they lie.
-// The descent goes on from there; without one the closed form is the live page's, at the camera's pixels.
+// The descent goes on from there.
 static void begin_finer(Job *job, const FfpGaussians *gaussians, const FfpRenderSettings *settings) {
     const int n = job->chosen.n_views;
     double pixels = 0;

@@ -137,8 +137,7 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_INT,
      .offset = offsetof(Arguments, how.steps),
      .high = 100000,
-     .help = "steps of gradient descent (default 30); 0: the closed form only, as the live page makes it. "
-             "More steps fit the Gaussians "
+     .help = "steps of gradient descent (default 30); 0: the closed form only. More steps fit the Gaussians "
              "better, but not the real object where the Gaussians are wrong"},
     {.name = "gaussians-only",
      .type = FFP_OPTION_FLAG,
