@@ -45,7 +45,8 @@ static const FfpProgram program = {
                    "passive) how they wait for each other; by "
                    "default that depends on how busy the machine is. FFPROCAMS_MODELS and FFPROCAMS_MODULES "
                    "name the folders of the shipped weights and of the modules (Embree, Assimp, OpenCV, "
-                   "libtiff), if they lie elsewhere than where they were built or installed.",
+                   "libtiff, Little CMS, Zstandard, libwebp), if they lie elsewhere than where they were "
+                   "built or installed.",
     .exit_status = "Exit status: 0 on success, 1 on an error (reported on stderr; no output is left "
                    "half-written), 2 for incorrect usage.",
     .examples = (const FfpExample[]){{.command = "ffprocams reconstruct data/sample -o spot.ply"},
