@@ -8,6 +8,7 @@ class ProjectorWindow {
     this.kept = {};
     this.window = null;
     this.projector = null;
+    this.dark = false;
     addEventListener('pagehide', () => this.close());
     document.addEventListener('visibilitychange', () => app.reschedule());
   }
@@ -39,7 +40,18 @@ class ProjectorWindow {
     };
     this.window.addEventListener('resize', () => this.place());
     page.addEventListener('click', full);
-    page.addEventListener('keydown', (event) => { if (event.key === 'f' || event.key === 'F') full(); });
+    page.addEventListener('keydown', (event) => {
+      if (event.key === 'f' || event.key === 'F') full();
+      if (event.key === '.') this.black();
+    });
+  }
+
+  // Blackout, and back: the show goes on behind it.
+  black() {
+    this.dark = !this.dark;
+    if (this.dark) say('Blackout: the projector window is black until you press . again.');
+    else say('The projector window shows its picture again.');
+    this.show();
   }
 
   // A panel's picture lies pixel on pixel, whatever the screen's scale, where the window has room for it; otherwise, as a
@@ -62,7 +74,7 @@ class ProjectorWindow {
     if (this.canvas.width !== width || this.canvas.height !== height)
       this.canvas.width = width, this.canvas.height = height;
     this.place();
-    if (this.projector.on) this.canvas.getContext('2d').putImageData(new ImageData(data, width, height), 0, 0);
+    if (this.projector.on && !this.dark) this.canvas.getContext('2d').putImageData(new ImageData(data, width, height), 0, 0);
     else this.canvas.getContext('2d').clearRect(0, 0, width, height);
   }
 

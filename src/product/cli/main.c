@@ -103,13 +103,15 @@ static void keep_large_blocks(void) {
 }
 
 int main(int argc, char **argv) {
+    static char help[] = "--help";
     FfpProgram here = program;
     here.version = ffp_version();
+    if (argc == 3 && strcmp(argv[1], "help") == 0) argv[1] = argv[2], argv[2] = help; // help COMMAND
     if (argc < 2) {
         ffp_cli_program_help(&here, stderr);
         return FFP_EXIT_USAGE;
     }
-    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
+    if (strcmp(argv[1], help) == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], help + 2) == 0) {
         ffp_cli_program_help(&here, stdout);
         return finish(FFP_EXIT_OK);
     }

@@ -56,6 +56,24 @@ static void test_help_of_the_program_names_every_command(void **state) {
     assert_null(strstr(look + 1, "\nlook:\n"));
 }
 
+static void check_same(const char *asked, const char *usual) {
+    static ProgramRun other;
+    run_program(&other, usual);
+    run_program(&run, asked);
+    assert_int_equal(run.status, 0);
+    assert_string_equal(run.err, "");
+    assert_string_equal(run.out, other.out);
+}
+
+static void test_help_is_a_word_too(void **state) {
+    (void)state;
+    check_same("help", "--help");
+    check_same("help import", "import --help");
+    run_program(&run, "help imprt");
+    assert_int_equal(run.status, 2);
+    assert_non_null(strstr(run.err, "did you mean import?"));
+}
+
 // It begins with a sentence and ends with examples, and no line is wider than a terminal.
 static void check_help(const char *command) {
     char usage[64], example[64];
@@ -185,7 +203,7 @@ static void test_mistakes_are_told_as_what_they_are(void **state) {
     } wrong[] = {
         {"recnostruct a -o b.ply", "unknown command recnostruct: did you mean reconstruct?"},
         {"recon a", "unknown command recon: did you mean reconstruct?"},
-        {"help", "unknown command help: did you mean --help?"},
+        {"halp", "unknown command halp: did you mean --help?"},
         {"--verison", "unknown option --verison: did you mean --version?"},
         {"xylophone", "unknown command xylophone\n"},
         {"render a --capture b -o c --patern d", "unknown option --patern: did you mean --pattern?"},
@@ -279,6 +297,7 @@ static void test_kernels_that_cannot_run_here_are_an_error(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_help_of_the_program_names_every_command),
+        cmocka_unit_test(test_help_is_a_word_too),
         cmocka_unit_test(test_every_command_has_help_with_an_example),
         cmocka_unit_test(test_version),
         cmocka_unit_test(test_wrong_usage_exits_2_and_says_where_to_read),

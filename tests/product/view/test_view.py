@@ -836,6 +836,12 @@ def check_window(check, page):
     check("the projector window goes on when the page is hidden", page.run(colour) == "0,255,0", page.run(colour))
     page.run("delete document.hidden; window.requestAnimationFrame = frameOf; viewer.pending = false; "
              "document.dispatchEvent(new Event('visibilitychange')); viewer.invalidate(); idle()")
+    dark = []
+    for press in ("dispatchEvent(new KeyboardEvent('keydown', {key: '.'}))",
+                  "viewer.window.window.document.dispatchEvent(new viewer.window.window.KeyboardEvent('keydown', {key: '.'}))"):
+        page.run(f"{press}; viewer.projector.dirty = true; viewer.invalidate(); idle()")
+        dark.append(page.run(colour))
+    check("blackout, and back", dark == ["0,0,0", "0,255,0"], f"{dark}")
     page.click("#add")
     page.run("viewer.setContent(new SolidContent('#ff0000')); viewer.window.open(viewer.projector); idle()")
     before = page.run(colour)
