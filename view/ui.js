@@ -305,7 +305,7 @@ const KEYS = {
   x: (app) => { app.frusta = !app.frusta; app.changed('settings'); app.invalidate(); },
   v: (app) => attempt(() => app.showPhotograph(!app.photograph))(), s: attempt((app) => savePicture(app)), f: toggleFull, h: togglePanel,
   o: () => $('file').click(), '?': () => $('keys').showModal(), n: (app) => app.addProjector(),
-  w: (app) => attempt(() => app.window.open(app.projector))(), '.': (app) => app.window.black(), Home: (app) => app.home(),
+  w: (app) => attempt(() => app.window.open(app.projector))(), '.': (app) => app.window.black(), t: (app) => app.window.check(), Home: (app) => app.home(),
   '+': (app) => app.dolly(0.9), '=': (app) => app.dolly(0.9), '-': (app) => app.dolly(1 / 0.9),
   '[': (app) => { app.brush.size = Math.max(2, app.brush.size - 2); app.changed('brush'); app.redrawOverlay(); },
   ']': (app) => { app.brush.size = Math.min(120, app.brush.size + 2); app.changed('brush'); app.redrawOverlay(); },

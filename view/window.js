@@ -2,13 +2,32 @@
 // The projector window: a second window, moved to the real projector and made full screen there, that shows
 // the picture for it.
 
+// Tells which projector this is, where its picture ends and whether its pixels are the screen's: a frame one pixel wide, a
+// field of single pixels, a grid, the number and the size.
+function drawTest(context, width, height, projector) {
+  const step = Math.max(16, Math.round(height / 12)), middle = [width / 2, height / 2];
+  context.fillStyle = '#000', context.fillRect(0, 0, width, height);
+  context.fillStyle = '#666';
+  for (let x = step; x < width; x += step) context.fillRect(x, 0, 1, height);
+  for (let y = step; y < height; y += step) context.fillRect(0, y, width, 1);
+  context.fillStyle = '#fff';
+  for (const [x, y, w, h] of [[0, 0, width, 1], [0, height - 1, width, 1], [0, 0, 1, height], [width - 1, 0, 1, height]]) context.fillRect(x, y, w, h);
+  for (let y = step; y < 2 * step; y++)
+    for (let x = step + y % 2; x < 2 * step; x += 2) context.fillRect(x, y, 1, 1);
+  context.fillStyle = projector.colour, context.textAlign = 'center', context.textBaseline = 'middle';
+  context.font = `700 ${4 * step}px system-ui, sans-serif`;
+  context.fillText(projector.number, ...middle);
+  context.font = `${step / 2}px system-ui, sans-serif`;
+  context.fillText(`${width} × ${height}`, middle[0], middle[1] + 2.5 * step);
+}
+
 class ProjectorWindow {
   constructor(app) {
     this.app = app;
     this.kept = {};
     this.window = null;
     this.projector = null;
-    this.dark = false;
+    this.dark = this.test = false;
     addEventListener('pagehide', () => this.close());
     document.addEventListener('visibilitychange', () => app.reschedule());
   }
@@ -43,6 +62,7 @@ class ProjectorWindow {
     page.addEventListener('keydown', (event) => {
       if (event.key === 'f' || event.key === 'F') full();
       if (event.key === '.') this.black();
+      if (event.key === 't' || event.key === 'T') this.check();
     });
   }
 
@@ -51,6 +71,13 @@ class ProjectorWindow {
     this.dark = !this.dark;
     if (this.dark) say('Blackout: the projector window is black until you press . again.');
     else say('The projector window shows its picture again.');
+    this.show();
+  }
+
+  // The test picture in place of the content, and back.
+  check() {
+    this.test = !this.test;
+    if (!this.isOpen) say('The test picture appears in the projector window, which is not open yet.');
     this.show();
   }
 
@@ -74,8 +101,10 @@ class ProjectorWindow {
     if (this.canvas.width !== width || this.canvas.height !== height)
       this.canvas.width = width, this.canvas.height = height;
     this.place();
-    if (this.projector.on && !this.dark) this.canvas.getContext('2d').putImageData(new ImageData(data, width, height), 0, 0);
-    else this.canvas.getContext('2d').clearRect(0, 0, width, height);
+    const context = this.canvas.getContext('2d');
+    if (this.dark || !(this.projector.on || this.test)) context.clearRect(0, 0, width, height);
+    else if (this.test) drawTest(context, width, height, this.projector);
+    else context.putImageData(new ImageData(data, width, height), 0, 0);
   }
 
   close() { if (this.isOpen) this.window.close(); }

@@ -842,6 +842,14 @@ def check_window(check, page):
         page.run(f"{press}; viewer.projector.dirty = true; viewer.invalidate(); idle()")
         dark.append(page.run(colour))
     check("blackout, and back", dark == ["0,0,0", "0,255,0"], f"{dark}")
+    page.run("document.activeElement.blur(); dispatchEvent(new KeyboardEvent('keydown', {key: 't'}))")
+    shown = page.run("""(() => { const {canvas} = viewer.window, {width: w, height: h} = canvas, bytes = bytesOf(canvas), at = (x, y) => bytes[4 * (w * y + x) + 1];
+        const step = Math.max(16, Math.round(h / 12)), field = [0, 1, 2, 3].map((i) => at(step + 2 + i, step + 2)), colours = new Set();
+        for (let i = 0; i < bytes.length; i += 4) colours.add(String(bytes.subarray(i, i + 3)));
+        const own = viewer.projector.colour.match(/[0-9a-f]{2}/g).map((v) => parseInt(v, 16)).join();
+        return [[at(0, 5), at(1, 5), at(5, h - 1), at(w - 1, 5)], field, colours.has(own)]; })()""")
+    page.run("dispatchEvent(new KeyboardEvent('keydown', {key: 't'}))")
+    check("a test picture of single pixels, and back", shown == [[255, 0, 255, 255], [0, 255, 0, 255], True] and page.run(colour) == "0,255,0", f"{shown}")
     page.click("#add")
     page.run("viewer.setContent(new SolidContent('#ff0000')); viewer.window.open(viewer.projector); idle()")
     before = page.run(colour)
