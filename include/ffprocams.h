@@ -903,7 +903,7 @@ typedef struct FfpSelfCalibration {
     int n_angles;
     int width, height; // of the projector's panel, pixels, 64 to 16384
     const char *shown; // as FfpRigCalibration.shown, or NULL
-    double focal_35mm; // the camera's focal length as that of a 35 mm camera, mm, where it is known; 0: not
+    double focal_35mm; // the camera's focal length as that of a 35 mm camera, mm; 0: what its files tell
     // Distance of the first two places, or of projector and camera before a turntable, in the unit that is
     // wanted; 0: it is the unit.
     double length;

@@ -54,7 +54,7 @@ async function turnedSince(object) {
 }
 
 async function tellNow(state, object) {
-  const {trial} = state.settings, id = trial.view.slice(5), name = trial.pattern === 'own' ? 'own' : patternName(trial.pattern);
+  const {trial} = state.settings, id = alone() ? trial.view : trial.view.slice(5), name = trial.pattern === 'own' ? 'own' : patternName(trial.pattern);
   const folder = `objects/${object.name}/now/${object.aligned ? 'aligned' : 'capture'}`;
   const real = await overBlack($('now-real'), `file/${folder}/${id}_${name}.png`);
   const told = await overBlack($('now-told'), `file/${folder}/predicted/${object.name}/${id}_${name}.png`);
@@ -64,7 +64,7 @@ async function tellNow(state, object) {
   context.putImageData(apart, 0, 0);
   const {rows} = JSON.parse(await textOf(folder + '/scores.json')), row = rows.find(({protocol}) => protocol === 'rendering');
   const found = object.aligned ? await turnedSince(object) : null;
-  const what = found ? `devices found again: camera turned by ${found.camera.toFixed(2)}\u00b0, projector by ${found.projector.toFixed(2)}\u00b0` : `${Number(id)}\u00b0, ${name}${trial.turned ? `, table off by ${trial.turned}\u00b0` : ''}`;
+  const what = found ? `devices found again: camera turned by ${found.camera.toFixed(2)}\u00b0, projector by ${found.projector.toFixed(2)}\u00b0` : `${Number(trial.view.slice(5))}\u00b0, ${name}${trial.turned ? `, table off by ${trial.turned}\u00b0` : ''}`;
   tried.push([what, row.psnr.toFixed(2), row.psnr_foreground.toFixed(2)]);
   $('now-scores').tBodies[0].replaceChildren(...tried.slice(-8).map((cells) => element('tr', {}, ...cells.map((text) => element('td', {textContent: text})))));
   $('now-report').href = `file/${folder}/report.html`;

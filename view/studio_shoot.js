@@ -143,7 +143,10 @@ async function shootSet(name) {
     shooting.asked = !looked;
     state = studio.state;
   }
-  if (!shooting.pause && name.includes('attitude')) await checkStill(name, ending);
+  if (shooting.pause) return;
+  if (name.includes('attitude')) await checkStill(name, ending);
+  if (alone() && name.includes('/view-') && objectNow(state).sets.filter((set) => set.name.includes('/view-') && complete(set)).length >= 3)
+    await doIt({verb: 'look', set: name}); // how well the rig is known by now, while the table is turned
 }
 
 // Sets one after the other, as far as they are not complete.

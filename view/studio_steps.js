@@ -13,6 +13,8 @@ function showStep(name) {
   if (name === 'rig' && webcam.stream) watchLive();
 }
 
+// The codes on the object say where camera and projector stand: there is no board.
+const alone = () => !!studio.state.settings.without_board;
 const complete = (set) => set.count > 0 && set.done === set.count;
 const objectNow = (state) => state.objects.find((object) => object.name === state.settings.object);
 const isRunning = (state, name) => state.job.end === 'running' && (!name || state.job.name === name);
@@ -21,7 +23,7 @@ const isRunning = (state, name) => state.job.end === 'running' && (!name || stat
 function firstOpen(state) {
   const object = objectNow(state);
   if (state.patterns.length === 0) return 'rig';
-  if (!state.axis) return 'board';
+  if (!alone() && !state.axis) return 'board';
   return object && object.view ? 'look' : 'object';
 }
 
@@ -32,7 +34,10 @@ function drawSteps(state) {
     board: done.board ? 'done' : `${boards} of ${state.sets.length}`,
     object: object ? `${object.name}: ${object.sets.filter(complete).length} of ${object.sets.length}` : 'photograph it',
     look: done.look ? 'light it as you like' : 'not yet'};
+  let count = 0;
   for (const button of document.querySelectorAll('#steps button')) {
+    button.hidden = button.dataset.step === 'board' && alone();
+    if (!button.hidden) button.querySelector('b').textContent = ++count;
     button.classList.toggle('done', done[button.dataset.step]);
     button.querySelector('small').textContent = says[button.dataset.step];
   }
@@ -65,17 +70,26 @@ function drawRig(state) {
     : `The window has ${projector.panel.join(' x ')} pixels` + (fits ? ', as the patterns have.' : `, the patterns ${settings.projector.join(' x ')}: full screen on the projector's display, at 100 %?`);
   fill('watched', settings.watched || '');
   fill('panel-w', settings.projector[0]), fill('panel-h', settings.projector[1]);
+  for (const button of document.querySelectorAll('#boards-or-not button')) {
+    button.setAttribute('aria-pressed', !button.dataset.board === alone());
+    button.disabled = state.photographed;
+  }
+  $('why-board').textContent = alone() ? 'Nothing is printed or measured: the Gray codes on the object say where camera and projector stand. Lengths are in units of the distance between the two lenses; the object must not look the same from all sides.'
+    : 'For millimetres, and for objects that look the same from all sides: print the board, glue it to something flat, photograph it in some attitudes.';
+  $('board-measures').hidden = alone();
   fill('board-c', settings.board[0]), fill('board-r', settings.board[1]);
   fill('square', settings.square), fill('attitudes', settings.attitudes), fill('angles', settings.board_angles.join(', '));
   for (const id of ['panel-w', 'panel-h']) $(id).disabled = state.photographed;
   for (const id of ['board-c', 'board-r', 'square', 'attitudes', 'angles']) $(id).disabled = virtual;
   $('draw').disabled = state.photographed || isRunning(state);
-  $('paper').hidden = virtual || state.patterns.length === 0;
+  $('paper').hidden = virtual || alone() || state.patterns.length === 0;
   $('drawn').textContent = state.patterns.length > 0 ? `${state.patterns.length} patterns in patterns/` : '';
 }
 
 for (const button of document.querySelectorAll('#cameras button'))
   button.addEventListener('click', () => setTo({camera: button.dataset.camera}));
+for (const button of document.querySelectorAll('#boards-or-not button'))
+  button.addEventListener('click', () => setTo({without_board: !button.dataset.board}));
 $('watched').addEventListener('change', () => setTo({watched: $('watched').value.trim()}));
 for (const id of ['panel-w', 'panel-h']) $(id).addEventListener('change', () => setTo({projector: [number('panel-w'), number('panel-h')]}));
 for (const id of ['board-c', 'board-r']) $(id).addEventListener('change', () => setTo({board: [number('board-c'), number('board-r')]}));
@@ -196,9 +210,11 @@ const told = {};
 const stamp = (state, name) => `${state.settings.object} ${state.job.name === name ? state.job.end + state.job.seconds : 'before'}`;
 
 // What the files of the calibration say of it: OpenCV's FileStorage, and the axis' JSON.
+const fitOf = async (file) => new DOMParser().parseFromString(await textOf(file), 'text/xml').documentElement;
+const fieldOf = (fit, name) => [...fit.children].find((child) => child.tagName === name);
+
 async function calibrationFigures() {
-  const fit = new DOMParser().parseFromString(await textOf('calibration/calibration.xml'), 'text/xml').documentElement;
-  const own = (name) => [...fit.children].find((child) => child.tagName === name);
+  const fit = await fitOf('calibration/calibration.xml'), own = (name) => fieldOf(fit, name);
   const value = (name) => Number(own(name).textContent).toFixed(3), count = (name) => own(name) ? own(name).children.length : 0;
   const figures = [];
   if (own('rms') && own('cam_rms') && own('proj_rms'))
@@ -240,6 +256,7 @@ function drawObject(state) {
   const object = objectNow(state);
   $('object-lead').textContent = isVirtual() ? 'The simulated turntable turns by itself.'
     : 'Put the object on the turntable. At each stop the patterns are photographed; then turn it to the next angle.';
+  $('object-coded-field').hidden = alone();
   $('object-new').hidden = !!object && !$('object-new').dataset.wanted;
   $('object-tabs').replaceChildren(...state.objects.map((o) => {
     const tab = element('button', {className: 'small', textContent: o.name, onclick: () => attempt(() => doIt({verb: 'object', name: o.name}))});
@@ -251,9 +268,46 @@ function drawObject(state) {
   if (!object) return;
   drawShoot('object-shoot', object.sets, state);
   const all = object.sets.every(complete);
-  $('make').disabled = !all || !state.axis || isRunning(state) || shooting.running;
+  $('make').disabled = !all || (!alone() && !state.axis) || isRunning(state) || shooting.running;
   $('make').classList.toggle('primary', all && !object.view);
-  $('object-note').textContent = all && !state.axis ? 'The rig is not calibrated yet (step 2).' : '';
+  drawKnown(state, object);
+  $('object-note').textContent = all && !alone() && !state.axis ? 'The rig is not calibrated yet (step 2).' : '';
+}
+
+// --- How well the stops so far determine the rig. ---
+
+const GOOD = {focal: 0.02, tilt: 1, surface: 0.5}; // share, degrees, pixels
+
+async function knownFigures(folder) {
+  const fit = await fitOf(`${folder}/calibration.xml`), axis = JSON.parse(await textOf(`${folder}/axis.json`));
+  const numbers = (name) => fieldOf(fit, name).querySelector('data').textContent.trim().split(/\s+/).map(Number);
+  const focal = ['cam', 'proj'].map((device) => numbers(device + '_deviations')[0] / numbers(device + '_int')[0]);
+  return {focal, axis, good: Math.max(...focal) < GOOD.focal && axis.tilt < GOOD.tilt && axis.rms < GOOD.surface};
+}
+
+async function tellKnown(state, object) {
+  told.known = stampOf(state.eye, object);
+  const findings = JSON.parse(await textOf('logs/known.json') || '{"findings": []}').findings.filter((finding) => !isPassed(finding));
+  $('known').hidden = false;
+  $('known-says').replaceChildren(...findings.map(findingItem));
+  $('known-figures').replaceChildren();
+  if (state.eye.end !== 'done') {
+    $('known-verdict').textContent = `Not known yet: ${state.eye.error || 'more stops are needed'}`;
+    return;
+  }
+  const {focal, axis, good} = await knownFigures(`objects/${object.name}/known`), percent = (part) => (100 * part).toFixed(1) + ' %';
+  const figures = [['focal lengths, camera and projector', `to ${percent(focal[0])} and ${percent(focal[1])}`], ['the turntable\u2019s axis', `to ${axis.tilt.toFixed(2)} degrees`],
+    ['surfaces of the stops agree', `within ${axis.rms.toFixed(2)} pixels`], ['stops used', `${axis.views.length - axis.left_out.length} of ${axis.views.length}`]];
+  $('known-verdict').textContent = good ? 'Where camera and projector stand is known well enough' : 'Where camera and projector stand is known roughly: further stops tell more';
+  $('known-figures').replaceChildren(...figures.flatMap(([name, value]) => [element('dt', {textContent: name}), element('dd', {textContent: value})]));
+}
+
+const stampOf = (eye, object) => `${object.name} ${eye.end} ${eye.seconds}`;
+
+function drawKnown(state, object) {
+  const {eye} = state;
+  if (!alone() || eye.name !== 'known' || eye.end === 'none' || object.sets.every((set) => set.done === 0)) $('known').hidden = true;
+  else if (eye.end !== 'running' && told.known !== stampOf(eye, object)) tellKnown(state, object);
 }
 
 $('object-add').addEventListener('click', () => attempt(async () => {
@@ -327,7 +381,7 @@ function drawWork(state) {
       say(job.error || `${job.name} has failed; the log below says why.`);
       $('shell').open = true;
     } else if (job.end === 'done' && job.name === 'make') showStep('look');
-    else if (job.end === 'done' && job.name === 'patterns') showStep('board');
+    else if (job.end === 'done' && job.name === 'patterns') showStep(alone() ? 'object' : 'board');
   }
 }
 

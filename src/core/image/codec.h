@@ -77,6 +77,8 @@ bool ffp_tiff_is_raw(const FfpBytes *file);        // DNG, NEF, ARW and the like
 
 // The orientation tag (1 to 8) of EXIF data, which begin with a TIFF header; 1 where there is none.
 int ffp_exif_orientation(const unsigned char *bytes, size_t size);
+// The focal length as that of a 35 mm camera, mm; 0 where they do not tell.
+int ffp_exif_focal_35mm(const unsigned char *bytes, size_t size);
 // Rotates or mirrors a picture as the tag says, into new memory, and likewise a size given by a file.
 void ffp_orient(FfpImage *image, int orientation);
 void ffp_orient_size(int *width, int *height, int orientation);

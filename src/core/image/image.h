@@ -77,6 +77,9 @@ bool ffp_size_check(const FfpSize *size, int width, int height, const char *path
 bool ffp_image_has_ending(const char *name);
 // The orientation tag of a JPEG or TIFF, 1 to 8; 1: there is none, or the file cannot be read.
 int ffp_image_orientation(const char *path);
+// The focal length of a JPEG or TIFF as that of a 35 mm camera, mm; 0: it is not told, or the file cannot be
+// read.
+int ffp_image_focal_35mm(const char *path);
 const char *ffp_orientation_words(int orientation); // "turned by 180 degrees"; 1: ""
 // Only the size, after applying the orientation tag, without decoding: for checks before memory is allocated.
 bool ffp_image_read_size(int *width, int *height, const char *path, FfpError *err);

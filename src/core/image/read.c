@@ -94,21 +94,30 @@ static bool decode(FfpDecoded *out, const char *path, Wanted wanted, const FfpSi
     return ok;
 }
 
-int ffp_image_orientation(const char *path) {
+// What a reader finds in a file's EXIF data; `none` where there are none, or it cannot be read.
+static int exif_of(const char *path, int (*read)(const unsigned char *, size_t), int none) {
     enum { HEAD = 1 << 18 }; // a JPEG's tags come first
     static const char mark[6] = "Exif\0";
-    FfpError none = {0};
+    FfpError unread = {0};
     FfpBytes file;
-    int orientation = 1;
-    if (!read_bytes(&file, path, &none)) return 1;
-    if (ffp_tiff_is(&file)) orientation = ffp_exif_orientation(file.data, file.size);
+    int value = none;
+    if (!read_bytes(&file, path, &unread)) return none;
+    if (ffp_tiff_is(&file)) value = read(file.data, file.size);
     if (ffp_jpeg_is(&file)) {
         const size_t head = file.size < HEAD ? file.size : HEAD;
         const unsigned char *at = memmem(file.data, head, mark, sizeof mark);
-        if (at) orientation = ffp_exif_orientation(at + 6, (size_t)(file.data + file.size - at) - 6);
+        if (at) value = read(at + 6, (size_t)(file.data + file.size - at) - 6);
     }
     free_bytes(&file);
-    return orientation;
+    return value;
+}
+
+int ffp_image_orientation(const char *path) {
+    return exif_of(path, ffp_exif_orientation, 1);
+}
+
+int ffp_image_focal_35mm(const char *path) {
+    return exif_of(path, ffp_exif_focal_35mm, 0);
 }
 
 // Premultiplied to straight alpha; where alpha is 0 the colour stays as it is.

@@ -72,7 +72,7 @@ static const char *const what_for[] = {
                        "possible, and place the object inside the frame. Not photographed.",
     [FFP_SHOW_CAPTURE] = "For a reconstruction; one lollipop is enough:",
     [FFP_SHOW_GRAY_CODES] =
-        "For a calibration or an exact shape: every column (x) and row (y) of the panel in\n"
+        "For the calibration and an exact shape: every column (x) and row (y) of the panel in\n"
         "Gray code, the coarsest bit first, each followed by its inverse:",
 };
 
@@ -131,17 +131,36 @@ static void list_photographs(const Writing *w) {
     if (show->capture && show->gray_codes)
         fprintf(
             w->text,
-            "    attitude-00/ ...    a chessboard, five to fifteen times, tilted another way each time: 001 "
-            "to "
-            "%03d\n"
+            "    attitude-00/ ...    if you have one, a chessboard, five to fifteen times, tilted another "
+            "way\n"
+            "                        each time: 001 to %03d\n"
             "    turntable/          the chessboard on the turntable, white, one photograph at each of some\n"
             "                        angles (0, 15, 30, 45, 60)\n",
             all);
     if (show->capture)
         fprintf(w->text,
                 "    view-000/           the object: 001 to %03d%s\n"
-                "    view-045/ ...       likewise, all the way round\n\n",
-                capture, all > capture ? "; with the Gray codes as well where depth is to be exact" : "");
+                "    view-045/ ...       likewise, all the way round\n",
+                all > capture ? all : capture,
+                all > capture ? " (with a chessboard the codes may be left out)" : "");
+    fputs("\n", w->text);
+}
+
+// Without a board, and with one.
+static void list_calibrations(const Writing *w) {
+    const FfpShow *show = w->show;
+    fputs("    ffprocams calibrate shots/view-* --without-board --angles 8x45 --shown PATTERNS \\\n"
+          "        -o calibration.xml --turntable-output axis.json\n"
+          "    ffprocams import -c calibration.xml -t axis.json --shown PATTERNS \\\n"
+          "        -i 'shots/{view}/*.JPG' -o vase\n\n"
+          "Or with the chessboard, which measures in millimetres:\n\n",
+          w->text);
+    fprintf(w->text,
+            "    ffprocams calibrate shots/attitude-* --shown PATTERNS -o calibration.xml --board %dx%d \\\n"
+            "        --square %.6g --turntable-board shots/turntable --angles 0,15,30,45,60 \\\n"
+            "        --turntable-output axis.json\n",
+            show->columns > 0 ? show->columns : 9, show->columns > 0 ? show->rows : 6,
+            show->columns > 0 ? show->square : 25);
 }
 
 static void list_commands(const Writing *w) {
@@ -153,14 +172,7 @@ static void list_commands(const Writing *w) {
                 "squares of %.6g mm. Measure them on the print, over as many as you can.\n\n",
                 show->columns, show->rows, show->square);
     fputs("Afterwards, with PATTERNS for the name of this folder:\n\n", w->text);
-    if (show->capture && show->gray_codes)
-        fprintf(
-            w->text,
-            "    ffprocams calibrate shots/attitude-* --shown PATTERNS -o calibration.xml --board %dx%d \\\n"
-            "        --square %.6g --turntable-board shots/turntable --angles 0,15,30,45,60 \\\n"
-            "        --turntable-output axis.json\n",
-            show->columns > 0 ? show->columns : 9, show->columns > 0 ? show->rows : 6,
-            show->columns > 0 ? show->square : 25);
+    if (show->capture && show->gray_codes) list_calibrations(w);
     if (show->capture)
         fputs("    ffprocams import -c calibration.xml -t axis.json --angles 8x45 --shown PATTERNS \\\n"
               "        -i 'shots/view-{view}/*.JPG' -o vase\n\n",

@@ -329,9 +329,8 @@ static const FfpOption options[] = {
      .most = 2000,
      .offset = offsetof(Arguments, focal_35mm),
      .group = WITHOUT,
-     .help = "the camera's focal length as that of a 35 mm camera, if it is known: photographs from few "
-             "places say "
-             "it less well"},
+     .help = "the camera's focal length as that of a 35 mm camera, if its files do not tell it (EXIF): "
+             "photographs from few places say it less well"},
     {.name = "length",
      .needs = "without-board",
      .argument = "L",

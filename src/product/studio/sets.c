@@ -24,6 +24,10 @@ json_t *ffp_studio_object(const FfpStudio *studio, const char *name) {
     return json_object_get(json_object_get(studio->settings, "objects"), name);
 }
 
+bool ffp_studio_without_board(const FfpStudio *studio) {
+    return json_is_true(json_object_get(studio->settings, "without_board"));
+}
+
 // --- What a set consists of. ---
 
 typedef enum Wanted { WANTED_CAPTURE, WANTED_CODES, WANTED_ALL } Wanted;
@@ -83,7 +87,7 @@ double ffp_studio_stop_angle(const json_t *object, const char *folder) {
     const int stops = (int)json_integer_value(json_object_get(object, "stops"));
     for (int i = 0; i < stops; i++) {
         char name[32];
-        snprintf(name, sizeof name, "view-%03d", (int)lround(360.0 * i / stops)); // as `import` calls it
+        snprintf(name, sizeof name, FFP_STUDIO_VIEW "%03d", (int)lround(360.0 * i / stops));
         if (strcmp(name, folder) == 0) return 360.0 * i / stops;
     }
     return -1;
@@ -215,7 +219,7 @@ int ffp_studio_set_names(const FfpStudio *studio, const char *object, char names
         snprintf(names[count++], FFP_STUDIO_NAME, "objects/%.60s/empty", object);
     const int stops = (int)json_integer_value(json_object_get(about, "stops"));
     for (int i = 0; i < stops && count < most; i++)
-        snprintf(names[count++], FFP_STUDIO_NAME, "objects/%.60s/view-%03d", object,
+        snprintf(names[count++], FFP_STUDIO_NAME, "objects/%.60s/" FFP_STUDIO_VIEW "%03d", object,
                  (int)lround(360.0 * i / stops));
     return count;
 }

@@ -22,15 +22,15 @@ bool ffp_studio_say(char said[FFP_STUDIO_SAID], const char *format, ...) {
 static json_t *new_settings(bool virtual_rig) {
     if (virtual_rig)
         return json_pack(
-            "{s:i, s:b, s:s, s:[ii], s:i, s:[ii], s:i, s:[iiiii], s:i, s:i, s:[], s:{}, s:[ssssssssss]}",
-            "version", 1, "virtual", 1, "camera", "virtual", "projector", 320, 200, "lollipops", 2, "board",
-            9, 6, "square", 16, "board_angles", -40, -20, 0, 20, 40, "attitudes", 8, "width", 128, "fix",
-            "objects", "simulator", "--split", "test", "--first", "15", "--resolution", "360", "--sensor",
-            "read=0.003", "--sensor", "shot=0.0003");
-    return json_pack("{s:i, s:b, s:s, s:[ii], s:i, s:[ii], s:i, s:[iiiii], s:i, s:i, s:[], s:{}}", "version",
-                     1, "virtual", 0, "camera", "browser", "projector", 1920, 1080, "lollipops", 2, "board",
-                     9, 6, "square", 25, "board_angles", 0, 15, 30, 45, 60, "attitudes", 8, "width", 128,
-                     "fix", "objects");
+            "{s:i, s:b, s:b, s:s, s:[ii], s:i, s:[ii], s:i, s:[iiiii], s:i, s:i, s:[], s:{}, s:[ssssssssss]}",
+            "version", 1, "virtual", 1, "without_board", 1, "camera", "virtual", "projector", 320, 200,
+            "lollipops", 2, "board", 9, 6, "square", 16, "board_angles", -40, -20, 0, 20, 40, "attitudes", 8,
+            "width", 128, "fix", "objects", "simulator", "--split", "test", "--first", "15", "--resolution",
+            "360", "--sensor", "read=0.003", "--sensor", "shot=0.0003");
+    return json_pack("{s:i, s:b, s:b, s:s, s:[ii], s:i, s:[ii], s:i, s:[iiiii], s:i, s:i, s:[], s:{}}",
+                     "version", 1, "virtual", 0, "without_board", 1, "camera", "browser", "projector", 1920,
+                     1080, "lollipops", 2, "board", 9, 6, "square", 25, "board_angles", 0, 15, 30, 45, 60,
+                     "attitudes", 8, "width", 128, "fix", "objects");
 }
 
 bool ffp_studio_save(FfpStudio *studio, char said[FFP_STUDIO_SAID]) {
@@ -151,10 +151,11 @@ static json_t *objects_state(const FfpStudio *studio) {
     const char *name;
     json_object_foreach(json_object_get(studio->settings, "objects"), name, about) {
         json_array_append_new(objects,
-                              json_pack("{s:s, s:O, s:o, s:b, s:b, s:b, s:b, s:b}", "name", name, "about",
-                                        about, "sets", sets_state(studio, name), "capture",
+                              json_pack("{s:s, s:O, s:o, s:b, s:b, s:b, s:b, s:b, s:b}", "name", name,
+                                        "about", about, "sets", sets_state(studio, name), "capture",
                                         in_object(studio, name, "capture/scene.json"), "view",
-                                        in_object(studio, name, "view.html"), "scores",
+                                        in_object(studio, name, "view.html"), "known",
+                                        in_object(studio, name, "known/axis.json"), "scores",
                                         in_object(studio, name, "scores.json"), "now",
                                         in_object(studio, name, "now/capture/scores.json"), "aligned",
                                         in_object(studio, name, "now/aligned/scores.json")));

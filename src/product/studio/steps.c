@@ -73,15 +73,55 @@ static void add_table(const FfpStudio *studio, FfpStudioCommand *c) {
     option(c, "--turntable-output", "calibration/axis.json");
 }
 
+// The calibration from the codes on an object, at those of its stops that are complete; how many.
+static int add_stops(const FfpStudio *studio, FfpStudioCommand *c, const char *object, const char *folder) {
+    char names[FFP_STUDIO_SETS][FFP_STUDIO_NAME], angles[2048] = "", prefix[FFP_STUDIO_NAME];
+    FfpStudioSet set;
+    size_t length = 0;
+    int complete = 0;
+    const int count = ffp_studio_set_names(studio, object, names, FFP_STUDIO_SETS);
+    snprintf(prefix, sizeof prefix, "objects/%.60s/view-", object);
+    for (int i = 0; i < count; i++) {
+        if (strncmp(names[i], prefix, strlen(prefix)) != 0 || !ffp_studio_set(studio, names[i], &set) ||
+            set.count == 0 || set.done < set.count)
+            continue;
+        ffp_studio_word(c, "%s", names[i]);
+        length += (size_t)snprintf(angles + length, sizeof angles - length, "%s%.9g",
+                                   complete++ > 0 ? "," : "", set.shots[0].angle);
+    }
+    words(c, (const char *const[]){"--without-board", "--angles", angles, "--shown", "patterns", "-o", NULL});
+    ffp_studio_word(c, "%s/calibration.xml", folder);
+    ffp_studio_word(c, "--turntable-output");
+    ffp_studio_word(c, "%s/axis.json", folder);
+    return complete;
+}
+
+// How well the stops so far determine the rig.
+static bool look_at_stops(FfpStudio *studio, char *said) {
+    const char *object = ffp_studio_setting(studio, "object", "");
+    char folder[FFP_STUDIO_NAME];
+    snprintf(folder, sizeof folder, "objects/%.60s/known", object);
+    if (add_stops(studio, ffp_studio_command(&studio->eye, "calibrate"), object, folder) < 3) {
+        ffp_studio_clear(&studio->eye);
+        return ffp_studio_say(said, "three stops are the least that tell anything");
+    }
+    return (ffp_studio_make(studio, folder) && ffp_studio_start(studio, &studio->eye, "known")) ||
+           ffp_studio_say(said, "the stops cannot be looked at");
+}
+
 bool ffp_studio_look(FfpStudio *studio, const char *name, char said[FFP_STUDIO_SAID]) {
     FfpStudioSet set;
     int white = -1;
+    if (studio->eye.end == FFP_JOB_RUNNING) return true; // asked again in a moment
+    if (ffp_studio_without_board(studio) && strncmp(name, "objects/", 8) == 0) {
+        ffp_studio_clear(&studio->eye);
+        return look_at_stops(studio, said);
+    }
     if (strncmp(name, "calibration/attitude-", 21) != 0 || !ffp_studio_set(studio, name, &set))
         return ffp_studio_say(said, "set: there is no such set of photographs of the board");
     for (int i = 0; i < set.count; i++)
         if (set.there[i] && strstr(set.shots[i].pattern, "_white.png")) white = set.shots[i].number;
     if (white < 0) return ffp_studio_say(said, "%s has no photograph under white yet", name);
-    if (studio->eye.end == FFP_JOB_RUNNING) return true; // asked again in a moment
     ffp_studio_clear(&studio->eye);
     FfpStudioCommand *c = ffp_studio_command(&studio->eye, "calibrate");
     ffp_studio_word(c, "%s/%03d.%s", name, white, set.ending);
@@ -129,7 +169,8 @@ static void add_photographs(const FfpStudio *studio, FfpStudioCommand *c, const 
     char path[FFP_STUDIO_NAME], name[80];
     const FfpStudioShot *kept = held_out(stop);
     ffp_studio_word(c, "-i");
-    ffp_studio_word(c, "objects/%s/view-{view}/*.%s", object, stop->ending);
+    ffp_studio_word(c, "objects/%s/%s{view}/*.%s", object,
+                    ffp_studio_without_board(studio) ? "" : FFP_STUDIO_VIEW, stop->ending);
     if (kept) {
         ffp_studio_pattern_name(kept->pattern, name, sizeof name);
         ffp_studio_word(c, "--held-out");
@@ -159,9 +200,16 @@ static bool all_there(const FfpStudio *studio, const char *object, FfpStudioSet 
 FfpStudioCommand *ffp_studio_import(const FfpStudio *studio, FfpStudioJob *job, const char *object) {
     const int stops = (int)json_integer_value(json_object_get(ffp_studio_object(studio, object), "stops"));
     FfpStudioCommand *c = ffp_studio_command(job, "import");
-    words(c, (const char *const[]){"-c", "calibration/calibration.xml", "-t", "calibration/axis.json",
-                                   "--angles", NULL});
-    ffp_studio_word(c, "%dx%.9g", stops, 360.0 / stops);
+    if (ffp_studio_without_board(studio)) {
+        ffp_studio_word(c, "-c");
+        ffp_studio_word(c, "objects/%.60s/calibration.xml", object);
+        ffp_studio_word(c, "-t");
+        ffp_studio_word(c, "objects/%.60s/axis.json", object);
+    } else {
+        words(c, (const char *const[]){"-c", "calibration/calibration.xml", "-t", "calibration/axis.json",
+                                       "--angles", NULL});
+        ffp_studio_word(c, "%dx%.9g", stops, 360.0 / stops);
+    }
     ffp_studio_word(c, "--fit-response");
     ffp_studio_word(c, "-w");
     ffp_studio_word(c, "%lld", ffp_studio_number(studio, "width", -1, 128));
@@ -172,16 +220,19 @@ FfpStudioCommand *ffp_studio_import(const FfpStudio *studio, FfpStudioJob *job, 
 static bool make(FfpStudio *studio, FfpStudioJob *job, char *said) {
     const char *object = ffp_studio_setting(studio, "object", "");
     FfpStudioSet stop;
-    char capture[FFP_STUDIO_NAME], ply[FFP_STUDIO_NAME], page[FFP_STUDIO_NAME];
+    char folder[FFP_STUDIO_NAME], capture[FFP_STUDIO_NAME], ply[FFP_STUDIO_NAME], page[FFP_STUDIO_NAME];
     if (!ffp_studio_object(studio, object)) return ffp_studio_say(said, "no object is chosen");
-    if (!ffp_studio_exists(studio, "calibration/axis.json"))
+    const bool alone = ffp_studio_without_board(studio);
+    if (!alone && !ffp_studio_exists(studio, "calibration/axis.json"))
         return ffp_studio_say(said, "the rig is not calibrated yet");
     if (!all_there(studio, object, &stop, said)) return false;
+    snprintf(folder, sizeof folder, "objects/%.60s", object);
     snprintf(capture, sizeof capture, "objects/%.60s/capture", object);
     snprintf(ply, sizeof ply, "objects/%.60s/object.ply", object);
     snprintf(page, sizeof page, "objects/%.60s/view.html", object);
     if (!ffp_studio_set_aside(studio, capture))
         return ffp_studio_say(said, "%s cannot be moved to discarded/", capture);
+    if (alone) add_stops(studio, ffp_studio_command(job, "calibrate"), object, folder);
     FfpStudioCommand *c = ffp_studio_import(studio, job, object);
     option(c, "--shown", "patterns");
     add_photographs(studio, c, object, &stop);

@@ -136,7 +136,7 @@ static bool compare_now(FfpStudio *studio, FfpStudioJob *job, char *said) {
         return false;
     FfpStudioCommand *c = ffp_studio_import(studio, job, object);
     ffp_studio_word(c, "-v");
-    ffp_studio_word(c, "%s", t.view + 5); // behind "view-"
+    ffp_studio_word(c, "%s", t.view + (ffp_studio_without_board(studio) ? 0 : strlen(FFP_STUDIO_VIEW)));
     add_shots(studio, &t, &now, c);
     if (!add_sphere(studio, object, c))
         return ffp_studio_say(said, "objects/%s/capture/scene.json has no object", object);

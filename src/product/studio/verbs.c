@@ -80,6 +80,8 @@ static bool check_setting(FfpStudio *studio, const char *name, const json_t *val
     if (strcmp(name, "width") == 0)
         return is_count(value, 64, 1024) || say(said, name, "takes a width of 64 to 1024 pixels");
     if (strcmp(name, "fix") == 0) return is_fix(value) || say(said, name, "takes terms of `calibrate --fix`");
+    if (strcmp(name, "without_board") == 0)
+        return json_is_boolean(value) || say(said, name, "takes true or false");
     if (strcmp(name, "camera") == 0)
         return is_camera(studio, value) || say(said, name, "there is no such camera");
     if (strcmp(name, "watched") == 0) {
@@ -93,7 +95,8 @@ static bool check_setting(FfpStudio *studio, const char *name, const json_t *val
 
 // What patterns and photographs on disk depend on.
 static bool is_held(const FfpStudio *studio, const char *name, const json_t *value) {
-    const bool holds = strcmp(name, "projector") == 0 || strcmp(name, "lollipops") == 0;
+    const bool holds = strcmp(name, "projector") == 0 || strcmp(name, "lollipops") == 0 ||
+                       strcmp(name, "without_board") == 0;
     return holds && !json_equal(value, json_object_get(studio->settings, name)) &&
            ffp_studio_photographed(studio);
 }
@@ -130,10 +133,11 @@ static bool choose_object(FfpStudio *studio, const json_t *request, char *said) 
     if (!ffp_studio_object(studio, name)) {
         if (!is_count(stops, 3, 72)) return say(said, "stops", "takes a number from 3 to 72");
         if (json_object_size(objects) >= 100) return say(said, "objects", "100 are enough for a folder");
-        json_object_set_new((json_t *)objects, name,
-                            json_pack("{s:I, s:b, s:b}", "stops", json_integer_value(stops), "coded",
-                                      json_is_true(json_object_get(request, "coded")), "empty",
-                                      json_is_true(json_object_get(request, "empty"))));
+        json_object_set_new(
+            (json_t *)objects, name,
+            json_pack("{s:I, s:b, s:b}", "stops", json_integer_value(stops), "coded",
+                      ffp_studio_without_board(studio) || json_is_true(json_object_get(request, "coded")),
+                      "empty", json_is_true(json_object_get(request, "empty"))));
     }
     json_object_set_new(studio->settings, "object", json_string(name));
     return ffp_studio_save(studio, said);

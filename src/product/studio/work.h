@@ -138,11 +138,14 @@ int ffp_studio_pattern_number(const char *file);
 // What the file of a pattern is called for, "lollipop_0" of "patterns/003_lollipop_0.png", in `size` bytes;
 // the user's own picture: "own".
 void ffp_studio_pattern_name(const char *file, char *name, size_t size);
+// The rig is calibrated from the codes on each object; its views are called as the folders of its stops.
+bool ffp_studio_without_board(const FfpStudio *studio);
 // The angle of the stop that a folder of an object is called for, "view-045"; -1: none.
 double ffp_studio_stop_angle(const json_t *object, const char *folder);
 
 // What studio.json says of objects/NAME/now; false: nothing, or nothing of this object.
-enum { FFP_STUDIO_OWN = 999 }; // number of the photograph under a picture of the user's
+#define FFP_STUDIO_VIEW "view-" // before the angle in the name of a stop's folder, as `generate` calls it
+enum { FFP_STUDIO_OWN = 999 };  // number of the photograph under a picture of the user's
 typedef struct FfpStudioTrial {
     const char *object, *view, *pattern; // "view-045"; a file of patterns/, or "own"
     int turned;                          // degrees by which the simulated turntable is off
@@ -185,7 +188,8 @@ const FfpStudioShot *ffp_studio_due(const FfpStudio *studio, const char *name, i
 // The virtual camera takes the shot that is due, or begins to.
 bool ffp_studio_take(FfpStudio *studio, const char *set, int number, char said[FFP_STUDIO_SAID]);
 // Looks for the board in the photograph under white of a set, which then has SET/board.json (`calibrate
-// --seen`).
+// --seen`). Without a board, for a stop of the object that is chosen: how well those that are complete, three
+// or more, determine the rig; objects/NAME/known then has the calibration.
 bool ffp_studio_look(FfpStudio *studio, const char *set, char said[FFP_STUDIO_SAID]);
 // The pattern of the shot that is due is on the projector: the next new picture in the folder is its
 // photograph.

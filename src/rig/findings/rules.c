@@ -429,7 +429,7 @@ static const FfpRule rules[FFP_RULES] = {
                               NULL},
     [FFP_RULE_LENS_DIFFERS] =
         {"lens-differs", "calibration", DOUBT, "share of the focal length", 0,
-         "the photographs say a focal length that differs by {figure:.1%} from the one given",
+         "the photographs say a focal length that differs by {figure:.1%} from that of the lens",
          "give the lens's focal length as that of a 35 mm camera: what is engraved on it, times "
          "the crop factor; or leave it out",
          NULL},

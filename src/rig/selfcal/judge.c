@@ -1,5 +1,6 @@
 // Focal lengths: what a lens says of one, and whether the photographs tell it.
 #include <math.h>
+#include "core/base/log.h"
 #include "rig/findings/tell.h"
 #include "rig/selfcal/selfcal.h"
 
@@ -10,6 +11,10 @@
 #define FULL_FRAME 43.267 // diagonal of 36 x 24, mm
 
 FfpKnownFocal ffp_known_focal(double focal_35mm, const FfpTracks *t) {
+    if (!(focal_35mm > 0) && t->focal_35mm >= FFP_FOCAL_35MM_LEAST && t->focal_35mm <= FFP_FOCAL_35MM_MOST) {
+        focal_35mm = t->focal_35mm;
+        ffp_note("the photographs' files say a focal length of %.0f mm (35 mm film)", focal_35mm);
+    }
     if (!(focal_35mm > 0)) return (FfpKnownFocal){0};
     return (FfpKnownFocal){log(focal_35mm / FULL_FRAME * hypot(t->width, t->height)), FOCAL_KNOWN};
 }

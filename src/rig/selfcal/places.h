@@ -32,6 +32,7 @@ typedef struct FfpSighting {
 
 typedef struct FfpTracks {
     int width, height, panel_width, panel_height; // of all photographs, and of the panel
+    double focal_35mm;                            // of the camera, mm, as its files tell it; 0: not
     int n_places, n, n_sightings;
     FfpCameraPlace *places; // [n_places]
     FfpTrack *tracks;       // [n]

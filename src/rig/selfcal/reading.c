@@ -69,8 +69,9 @@ static bool read_sizes(Reading *r, FfpError *err) {
     FfpTracks *t = r->tracks;
     for (int i = 0; i < r->folders.n; i++)
         if (!r->folders.folders[i].problem && r->folders.folders[i].n_files > 0) {
-            if (!ffp_photograph_read_size(&t->width, &t->height, r->folders.folders[i].files[0], err))
-                return false;
+            const char *first = r->folders.folders[i].files[0];
+            if (!ffp_photograph_read_size(&t->width, &t->height, first, err)) return false;
+            t->focal_35mm = ffp_image_focal_35mm(first);
             const double over =
                 sqrt((double)t->width * t->height / ((double)t->panel_width * t->panel_height));
             for (r->shrink = 1; r->shrink < 8 && over / (2 * r->shrink) >= PIXELS_LEFT;) r->shrink *= 2;

@@ -21,8 +21,10 @@ static bool check(const FfpSelfCalibration *o, FfpError *err) {
     for (int i = 0; i < o->n_angles; i++)
         if (!(fabs(o->angles[i]) <= 36000))
             return ffp_fail(err, FFP_ERROR_ARGUMENT, "angles", "invalid angle: %g degrees", o->angles[i]);
-    if (!(o->focal_35mm == 0 || (o->focal_35mm >= 5 && o->focal_35mm <= 2000)))
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "focal", "%g mm is not in 5 to 2000", o->focal_35mm);
+    if (!(o->focal_35mm == 0 ||
+          (o->focal_35mm >= FFP_FOCAL_35MM_LEAST && o->focal_35mm <= FFP_FOCAL_35MM_MOST)))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "focal", "%g mm is not in %d to %d", o->focal_35mm,
+                        FFP_FOCAL_35MM_LEAST, FFP_FOCAL_35MM_MOST);
     if (!(o->length >= 0 && o->length < 1e9))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "length", "invalid length: %g", o->length);
     return o->shown ||

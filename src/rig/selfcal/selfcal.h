@@ -26,7 +26,9 @@ bool ffp_self_calibration_turn(FfpTurning *turning, FfpError *err);
 bool ffp_self_calibration_turntable(const FfpSelfCalibration *options, FfpTracks *tracks,
                                     FfpSelfCalibrationStats *stats, FfpError *err);
 
-// What a lens says of the focal length of photographs of this size.
+enum { FFP_FOCAL_35MM_LEAST = 5, FFP_FOCAL_35MM_MOST = 2000 };
+// What a lens says of the focal length of photographs of this size: the one that is given or, if that is 0,
+// the one that their files tell, with a note.
 FfpKnownFocal ffp_known_focal(double focal_35mm, const FfpTracks *tracks);
 // Whether the focal length found contradicts the one that was known, which then counts no more: fit again,
 // and report it by ffp_tell_known_focal.

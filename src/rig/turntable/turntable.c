@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "core/base/alloc.h"
+#include "core/base/log.h"
 #include "core/base/rigid.h"
 #include "rig/optics/document.h"
 #include "rig/optics/matrix.h"
@@ -138,9 +139,11 @@ static bool take_angles(FfpTurntable *turntable, const FfpImportTurntable *given
     if (given->n_angles < 0 || given->n_angles > FFP_VIEWS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "turntable.angles", "%d angles: expected at most %d",
                         given->n_angles, FFP_VIEWS_MAX);
-    if (given->n_angles > 0 && turntable->named)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "turntable.angles",
-                        "%s has the angles of its stops as they were found: leave these out", given->file);
+    if (given->n_angles > 0 && turntable->named) {
+        ffp_note("%s: the angles and views of its stops are replaced by the angles given", given->file);
+        turntable->named = false;
+        memset(turntable->left_out, 0, sizeof turntable->left_out);
+    }
     if (given->n_angles > 0) turntable->count = given->n_angles;
     for (int i = 0; i < given->n_angles; i++) turntable->angles[i] = given->angles[i];
     if (turntable->count < 1 && given->file)

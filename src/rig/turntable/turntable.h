@@ -22,7 +22,7 @@ bool ffp_turntable_is_given(const FfpImportTurntable *given);
 // What a caller says of one, with the JSON or YAML file that is named, {"axis", "point", "angles"} or
 // {"axis", "point", "count", "step"}, and "zero", "clockwise", "views" and "left_out" where it has them; the
 // axis at length 1. One that is to be found points up and stands before the camera until then. Errors: no
-// direction, no angles, too many, numbers out of range, angles beside those of a file whose views are named.
+// direction, no angles, too many, numbers out of range.
 bool ffp_turntable_take(FfpTurntable *turntable, const FfpImportTurntable *given, FfpError *err);
 
 // Gives the fixed rig a stop for each angle. An object turned by angle a about axis u through p has the point

@@ -1,6 +1,7 @@
 // Picture files of all the kinds that cameras and programs write, and those that are refused.
 #include <math.h>
 #include "core/base/call.h"
+#include "core/image/codec.h"
 #include "core/image/image.h"
 #include "core/image/picture_files.h"
 
@@ -136,6 +137,16 @@ static void turning_is_said(void **state) {
                          orientation == 6);
         assert_int_equal(said.words[0] != 0, orientation == 6);
     }
+}
+
+// The lens is in a directory of its own; cut anywhere, the data say nothing.
+static void the_lens_is_read(void **state) {
+    (void)state;
+    static const unsigned char exif[] = "MM\0*\0\0\0\x08\0\x01\x87\x69\0\x04\0\0\0\x01\0\0\0\x1a\0\0\0\0"
+                                        "\0\x01\xa4\x05\0\x03\0\0\0\x01\0\x32\0\0\0\0\0\0";
+    static const size_t needed = 0x1a + 2 + 10;
+    for (size_t size = 0; size < sizeof exif; size++)
+        assert_int_equal(ffp_exif_focal_35mm(exif, size), size >= needed ? 50 : 0);
 }
 
 static void jpeg_is_turned_as_the_camera_was(void **state) {
@@ -551,6 +562,7 @@ int main(void) {
         cmocka_unit_test(flat_png_is_not_truncated),
         cmocka_unit_test(cmyk_jpeg_is_read),
         cmocka_unit_test(turning_is_said),
+        cmocka_unit_test(the_lens_is_read),
         cmocka_unit_test(jpeg_is_turned_as_the_camera_was),
         cmocka_unit_test(tiff_is_read),
         cmocka_unit_test(tiff_holds_raw_numbers_too),

@@ -257,13 +257,6 @@ static void test_named_stops(void **state) {
              scratch);
     import("stops", arguments);
     check_import("stops", sample.n_views - 1, 0.1);
-    snprintf(arguments, sizeof arguments,
-             "import -c %s/cal.yml " SIZES "-t %s/stops.json --angles 8x45 " BY_NAME PATTERN
-             "-o %s/stops_again",
-             scratch, scratch, scratch);
-    run_program(&run, arguments);
-    assert_int_equal(run.status, 1);
-    assert_non_null(strstr(run.err, "has the angles of its stops"));
 }
 
 // Placeholders and * in one name: * stands for whatever the placeholders do not.

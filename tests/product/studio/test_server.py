@@ -279,7 +279,7 @@ def mangled_requests(studio, seconds):
 
 def wrong_requests_change_nothing(studio):
     before = (studio.folder / "studio.json").read_bytes()
-    settings = [{"projector": [63, 200]}, {"projector": [320]}, {"projector": "320x200"}, {"projector": [320, 16385]}, {"projector": [320.5, 200]},
+    settings = [{"without_board": 1}, {"projector": [63, 200]}, {"projector": [320]}, {"projector": "320x200"}, {"projector": [320, 16385]}, {"projector": [320.5, 200]},
                 {"board": [2, 6]}, {"board": None}, {"square": 0}, {"square": -1}, {"square": "16"}, {"board_angles": [0, 1]},
                 {"board_angles": [0, 1, "2"]}, {"board_angles": [0, 1, 1e9]}, {"attitudes": 2}, {"attitudes": 41}, {"lollipops": 0}, {"width": 10},
                 {"fix": ["k4"]}, {"fix": ["camera.--output"]}, {"fix": "k1"}, {"camera": "other"}, {"watched": "relative"}, {"watched": "/nowhere/at/all"},

@@ -142,6 +142,17 @@ static void a_walk_is_found(void **state) {
     check_found(&(Walk){.apart = 12});
 }
 
+// What files tell holds where nobody gives a lens, if it can be one.
+static void files_tell_the_lens(void **state) {
+    (void)state;
+    const FfpTracks tracks = {.width = 600, .height = 400, .focal_35mm = 50},
+                    none = {.width = 600, .height = 400},
+                    absurd = {.width = 600, .height = 400, .focal_35mm = 4};
+    assert_true(fabs(exp(ffp_known_focal(0, &tracks).log) - 50.0 / 36 * 600) < 0.02);
+    assert_true(fabs(exp(ffp_known_focal(24, &tracks).log) - 24.0 / 36 * 600) < 0.02);
+    assert_true(ffp_known_focal(0, &none).deviation == 0 && ffp_known_focal(0, &absurd).deviation == 0);
+}
+
 static void a_wrong_lens_is_overruled(void **state) {
     NEEDS_OPENCV();
     check_found(&(Walk){.apart = 12, .lens = 1.25 * CAMERA});
@@ -212,6 +223,7 @@ static void spots_lie_on_surfaces(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_walk_is_found),
+        cmocka_unit_test(files_tell_the_lens),
         cmocka_unit_test(a_wrong_lens_is_overruled),
         cmocka_unit_test(what_cannot_be_known_is_said),
         cmocka_unit_test(a_place_after_a_move_is_left_out),
