@@ -298,7 +298,7 @@ async function tellKnown(state, object) {
   const {focal, axis, good} = await knownFigures(`objects/${object.name}/known`), percent = (part) => (100 * part).toFixed(1) + ' %';
   const figures = [['focal lengths, camera and projector', `to ${percent(focal[0])} and ${percent(focal[1])}`], ['the turntable\u2019s axis', `to ${axis.tilt.toFixed(2)} degrees`],
     ['surfaces of the stops agree', `within ${axis.rms.toFixed(2)} pixels`], ['stops used', `${axis.views.length - axis.left_out.length} of ${axis.views.length}`]];
-  $('known-verdict').textContent = good ? 'Where camera and projector stand is known well enough' : 'Where camera and projector stand is known roughly: further stops tell more';
+  $('known-verdict').textContent = good ? 'Camera, projector and axis are known well enough: go on' : 'Camera, projector and axis are known roughly: further stops tell more';
   $('known-figures').replaceChildren(...figures.flatMap(([name, value]) => [element('dt', {textContent: name}), element('dd', {textContent: value})]));
 }
 

@@ -17,6 +17,9 @@ enum { STOPS_LEAST = 3, ROUNDS = 8, STEPS = 8, FEW_SIGHTINGS = 2000, FIT_SIGHTIN
 #define SCALE_LEAST 0.5 // pixels
 #define SCALE_MEDIANS 3.0
 #define AGREES_LEAST 0.4 // of what the median stop has, of a stop's points that are seen where they turn to
+#define STILL 0.7        // pixels within which a spot is where it was
+#define STILL_SHARE 0.8  // of the spots that two stops see: between these nothing turned
+#define SPOTS_LEAST 50   // that two stops must both see to tell
 #define SETTLED 1e-4     // by which a focal length moves when there is nothing more to gain
 #define TILT_OPEN 3.0    // degrees, the axis' deviation
 
@@ -58,6 +61,40 @@ static bool drop_stops(FfpTurning *t) {
     }
     if (any) ffp_turning_set_stops(t);
     return any;
+}
+
+// How many spots two stops both see, and how many of them at the same pixel.
+static void count_still(const FfpTracks *t, int first, int second, int *both, int *still) {
+    *both = *still = 0;
+    for (int i = 0; i < t->n; i++) {
+        const FfpSighting *s = t->sightings + t->tracks[i].first, *seen[2] = {NULL, NULL};
+        for (int k = 0; k < t->tracks[i].n; k++) {
+            if (s[k].place == first) seen[0] = &s[k];
+            if (s[k].place == second) seen[1] = &s[k];
+        }
+        if (!seen[0] || !seen[1]) continue;
+        ++*both;
+        *still += hypot(seen[0]->at[0] - seen[1]->at[0], seen[0]->at[1] - seen[1]->at[1]) < STILL;
+    }
+}
+
+// Leaves out stops at which the object stands as at another before them. Where most stops are such, it is
+// round, which is told elsewhere.
+static void drop_twins(const FfpTracks *t) {
+    int twin[FFP_PLACES_MAX], twins = 0;
+    for (int q = 0; q < t->n_places; q++) {
+        twin[q] = -1;
+        for (int p = 0, both, still; p < q && twin[q] < 0; p++) {
+            count_still(t, p, q, &both, &still);
+            if (both >= SPOTS_LEAST && still >= STILL_SHARE * both) twin[q] = p, twins++;
+        }
+    }
+    for (int q = 0; q < t->n_places && 2 * twins < t->n_places; q++)
+        if (twin[q] >= 0 && t->places[q].problem[0] == 0)
+            snprintf(t->places[q].problem, sizeof t->places[q].problem,
+                     "the object stands as at the stop '%s': it did not turn between them, or these are the "
+                     "same photographs",
+                     t->places[twin[q]].name);
 }
 
 static int stops_used(const FfpTracks *t) {
@@ -116,6 +153,8 @@ static void settle_point(FfpTurning *t) {
 }
 
 bool ffp_self_calibration_turn(FfpTurning *t, FfpError *err) {
+    drop_twins(t->tracks);
+    ffp_turning_set_stops(t);
     ffp_turning_drop_still(t);
     if (stops_used(t->tracks) < STOPS_LEAST) return check_stops(t->tracks, err);
     if (!ffp_turning_start(t, err)) return false;
