@@ -57,7 +57,7 @@ ffp_room(shots DEPS findings graycode optics patterns capture image base READERS
 ffp_room(chessboard CALLS DEPS findings graycode shots optics capture image numerics base)
 # what is wrong with a capture
 ffp_room(checks DEPS findings match capture image numerics base READERS explain)
-# the object told from what it stands on
+# separates the object from its background
 ffp_room(masks DEPS checks findings graycode match capture image numerics base)
 # a turntable: its file, and its axis from what is seen at its stops, the object or a chessboard
 ffp_room(turntable DEPS checks findings chessboard shots optics match capture image numerics base READERS turntable)

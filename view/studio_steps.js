@@ -276,7 +276,7 @@ function drawObject(state) {
 
 // --- How well the stops so far determine the rig. ---
 
-const GOOD = {focal: 0.02, tilt: 1, surface: 0.5}; // share, degrees, pixels
+const GOOD = {focal: 0.03, tilt: 1.5, surface: 0.5}; // share, degrees, pixels
 
 async function knownFigures(folder) {
   const fit = await fitOf(`${folder}/calibration.xml`), axis = JSON.parse(await textOf(`${folder}/axis.json`));

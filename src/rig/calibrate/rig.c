@@ -25,9 +25,9 @@ static bool check_table(const FfpRigCalibration *o, FfpError *err) {
     if (!o->turntable_board)
         return (!o->turntable_file && o->n_angles == 0) ||
                ffp_fail(err, FFP_ERROR_ARGUMENT, "turntable board", "no photographs given");
-    if (o->n_angles < ANGLES_MIN || o->n_angles > FFP_ATTITUDES_MAX)
+    if (o->n_angles < ANGLES_MIN || o->n_angles > FFP_SHOT_FOLDERS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "angles", "%d are not in %d to %d", o->n_angles, ANGLES_MIN,
-                        FFP_ATTITUDES_MAX);
+                        FFP_SHOT_FOLDERS_MAX);
     for (int i = 0; i < o->n_angles; i++)
         if (!(fabs(o->angles[i]) <= 36000))
             return ffp_fail(err, FFP_ERROR_ARGUMENT, "angles", "invalid angle: %g degrees", o->angles[i]);
@@ -81,7 +81,7 @@ static bool fit_rig(const FfpRigCalibration *o, FfpShotFolders *folders, FfpRigF
     fit->fixed[1] = o->fix_projector;
     FfpCvDevice *panel = &fit->devices[1];
     panel->width = o->width, panel->height = o->height;
-    if (o->shown && !ffp_shot_folders_take(folders, o->shown, &panel->width, &panel->height, err))
+    if (o->shown && !ffp_shot_folders_select_codes(folders, o->shown, &panel->width, &panel->height, err))
         return false;
     return ffp_read_attitudes(fit, folders, err) && ffp_fit_rig(fit, err) && ffp_judge_terms(fit, err);
 }

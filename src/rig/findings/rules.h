@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include "ffprocams/findings.h"
 
-// In the order of docs/guide/troubleshooting.md.
+// docs/guide/troubleshooting.md has them in this order.
 typedef enum FfpRuleId {
     // Devices.
     FFP_RULE_FRUSTA,
@@ -140,7 +140,7 @@ typedef struct FfpRule {
     const char *code, *subject;
     FfpSeverity severity;
     const char *measure; // what its figure is; NULL: it has none
-    double limit;        // of the figure; 0: what the room that measures says
+    double limit;        // of the figure; 0: the room that measures sets it
     const char *sentence, *advice, *setting;
 } FfpRule;
 

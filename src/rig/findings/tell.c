@@ -139,14 +139,14 @@ void ffp_findings_merge(FfpFindings *findings) {
 
 // --- As text. ---
 
-void ffp_finding_line(FILE *out, const FfpFinding *finding) {
+static void put_line(FILE *out, const FfpFinding *finding) {
     fputs(finding->text, out);
     if (finding->advice) fprintf(out, ": %s", finding->advice);
 }
 
 static char *line_of(const FfpFinding *finding) {
     FfpText *text = ffp_text_new();
-    ffp_finding_line(ffp_text_stream(text), finding);
+    put_line(ffp_text_stream(text), finding);
     return ffp_text_end(text);
 }
 

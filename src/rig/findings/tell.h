@@ -35,7 +35,8 @@ FfpFinding *ffp_findings_packed(const FfpFindings *findings);
 // Passes them on to the function of the current call's context, if it has one. Otherwise: false.
 bool ffp_findings_pass(const FfpFindings *findings);
 // The same, and without such a function the call's log gets the line of each that is not ok. A fault becomes
-// the error, and the function returns false. `place`: of faults of no view.
+// the error, and the function returns false. `place`: where the
+// error is, if the fault names no view.
 bool ffp_findings_tell(const FfpFindings *findings, const char *place, FfpError *err);
 
 // The error of a file by a rule's words: "TEXT: ADVICE (WHERE)". Returns false.
@@ -43,8 +44,6 @@ bool ffp_fail_by(FfpRuleId rule, const FfpFacts *facts, const char *where, FfpEr
 // One finding at once, a note or a doubt.
 void ffp_tell(FfpRuleId rule, const FfpFacts *facts);
 
-// "TEXT: ADVICE"
-void ffp_finding_line(FILE *out, const FfpFinding *finding);
 // The page of `info`: a line for each, "ok", "note", "LOOK" or, of what is refused, "STOP"; the advice below.
 void ffp_findings_page(FILE *out, const FfpFinding *findings, int count);
 

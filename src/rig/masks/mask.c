@@ -142,7 +142,7 @@ void ffp_mask_fill_holes(FfpImage *mask) {
     ffp_image_free(&holes);
 }
 
-// Background where a piece is smaller than `least` pixels and than the largest's `share`.
+// Turns pieces that are smaller than `least` pixels, or than the largest's `share`, into background.
 static void drop(FfpImage *mask, ptrdiff_t least, double share) {
     const ptrdiff_t pixels = (ptrdiff_t)mask->width * mask->height;
     int *labels = ffp_alloc((size_t)pixels, sizeof *labels);

@@ -1,5 +1,5 @@
-// The object told from what it stands on: masks of a capture's views, and the steps to them. What other rooms
-// use of this one is here.
+// Separates the object from its background: masks of a capture's views, and the steps to them. Whatever other
+// rooms use of this one is here.
 #ifndef FFP_RIG_MASKS_H
 #define FFP_RIG_MASKS_H
 
@@ -11,15 +11,15 @@
 
 typedef struct FfpEmptyStage {
     FfpImage *images; // [n_patterns] as FfpView.images, without the object; .data NULL: not photographed
-    FfpImage known;   // 1 channel, above 0 where the stage is known, below where all views show the object;
-                      // .data NULL: known everywhere
+    FfpImage known; // 1 channel, above 0 where the stage is known, negative where all views show the object;
+                    // .data NULL: known everywhere
 } FfpEmptyStage;
 
 // What a pixel of a view is, as far as it can be told from the stage alone.
 typedef enum FfpPixelKind {
     FFP_PIXEL_UNKNOWN,   // in shadow, or neither like the stage nor clearly another thing
     FFP_PIXEL_STAGE,     // lit, and as the stage is under every pattern
-    FFP_PIXEL_DIM_STAGE, // like the stage, but so little light says less
+    FFP_PIXEL_DIM_STAGE, // like the stage, but too dimly lit to be sure
     FFP_PIXEL_OBJECT,    // lit, and unlike the stage
     FFP_PIXEL_LIT,       // lit where the stage is not known
 } FfpPixelKind;
@@ -75,8 +75,8 @@ bool ffp_grow_masks(FfpCapture *capture, const bool *made, const FfpImage *holes
 // --- The object in the dark: where nothing but it sends light to the camera. ---
 
 // Masks (0 and 1) of views whose pictures are not masked yet: what is brighter, in the mean of all its
-// pictures, than their background by five standard deviations of that, less pieces below a twentieth of the
-// largest. Shadows of the projector show in them by the room's weak light and by light from the object
+// pictures, than their background by five standard deviations; pieces below a twentieth of the largest are
+// dropped. Shadows of the projector show in them by the room's weak light and by light from the object
 // itself. False, and no masks, unless the background of every view is dark and even: by less than a thirtieth
 // of the object's light.
 bool ffp_dark_masks(FfpImage *masks, const FfpCapture *capture);
@@ -84,7 +84,7 @@ bool ffp_dark_masks(FfpImage *masks, const FfpCapture *capture);
 // Whether pictures of the empty stage show nothing either.
 bool ffp_dark_stage(const FfpCapture *capture, int view, const FfpEmptyStage *stage);
 
-// Edges of coverage that ffp_dark_masks found, as soft as the camera's (soft_edges.h). Pictures stay as they
+// Edges of coverage that ffp_dark_masks found, as soft as the camera's. Pictures stay as they
 // are.
 void ffp_dark_soften(const FfpCapture *capture, FfpView *view);
 

@@ -12,7 +12,8 @@
 // is marked if it lies above the platter, if no place out of reach explains it half as well or most pixels
 // around lie at its depth, and if its point is within the masks (coverage, 0 and 1) of all views, or marked
 // there: only what is round is the object's at one place at all stops. Returns the share that the marks are
-// of the mean mask; 0 without a pattern or a platter.
+// of the mean mask; 0, with meaningless marks, without a
+// pattern or a platter.
 double ffp_place_above(unsigned char *marks, const FfpCapture *capture, const FfpEmptyStage *stage);
 
 #endif

@@ -28,6 +28,7 @@ enum {
     FFP_BUNDLE_OPTICS
 };
 enum { FFP_BUNDLE_PRIORS = FFP_BUNDLE_OPTICS + 1 };
+#define FFP_FOCAL_HELD 1e-4  // deviation of a focal length that is not to move
 #define FFP_BUNDLE_NOISE 0.3 // pixels: what a sighting is off by at first, next to which usual values count
 
 #define FFP_MIRRORED_CODES                                                                                   \

@@ -9,7 +9,9 @@ enum { LIKENESS_POINTS = 100 };
 enum { EACH = 2 + 2 * FFP_TURNING_NEXT }; // differences of a sighting
 enum { CAMERA = FFP_BUNDLE_OPTICS, AXIS = CAMERA + 6, ANGLES = AXIS + FFP_AXIS_NUMBERS };
 #define WORTH 1e-5
+#define NOISE_SHARE 0.1    // of the scale: what surfaces are taken to be off while they are far apart
 #define APART 200          // sightings whose errors have nothing to do with each other
+#define APART_TOLD 40      // and those that deviations count: what is off at one stop is off at all
 #define SIGHTING_SCALE 2.0 // pixels: what lies farther from its epipolar line counts less and less
 #define NEXT_MOST 100.0    // degrees, beyond which two stops see little of the same
 #define LIGHT_LEAST 0.01   // below it light is noise
@@ -384,7 +386,8 @@ static Fit fit_new(FfpTurning *t, int stride, double scale) {
     set_met(&fit);
     fit.scale = scale;
     fit.apart = sqrt(fmax(1, (double)fit.n / APART));
-    fit.firm = fit.apart * (t->surface > 0 ? fmin(t->surface, FFP_BUNDLE_NOISE) : FFP_BUNDLE_NOISE);
+    fit.firm = fit.apart * fmax(t->surface > 0 ? fmin(t->surface, FFP_BUNDLE_NOISE) : FFP_BUNDLE_NOISE,
+                                NOISE_SHARE * scale);
     fit.numbers = ANGLES + (t->angles_known > 0 ? tracks->n_places - 1 : 0);
     fit.count = EACH * fit.n + FFP_BUNDLE_PRIORS + fit.numbers - ANGLES;
     return fit;
@@ -393,10 +396,11 @@ static Fit fit_new(FfpTurning *t, int stride, double scale) {
 static void keep_deviations(const Fit *fit, const double *covariance) {
     FfpTurning *t = fit->turning;
     const size_t n = (size_t)fit->numbers;
-    for (size_t i = 0; i < AXIS; i++) t->deviation[i] = fit->apart * sqrt(covariance[n * i + i]);
+    const double apart = sqrt(fmax(1, (double)fit->n / APART_TOLD));
+    for (size_t i = 0; i < AXIS; i++) t->deviation[i] = apart * sqrt(covariance[n * i + i]);
     const double *c = covariance + n * AXIS + AXIS, a = c[0], b = c[n + 1];
-    t->tilt = fit->apart * sqrt((a + b) / 2 + hypot((a - b) / 2, c[1]));
-    t->shift = fit->apart * sqrt(fmax(c[(n + 1) * FFP_AXIS_SIDEWAYS], c[(n + 1) * FFP_AXIS_DISTANCE]));
+    t->tilt = apart * sqrt((a + b) / 2 + hypot((a - b) / 2, c[1]));
+    t->shift = apart * sqrt(fmax(c[(n + 1) * FFP_AXIS_SIDEWAYS], c[(n + 1) * FFP_AXIS_DISTANCE]));
 }
 
 // Root mean square of the sightings, and the median of what was turned.

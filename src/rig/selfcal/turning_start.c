@@ -359,6 +359,15 @@ static bool search(FfpTurning *t, bool *found, bool *unclear, FfpError *err) {
     return n >= 0;
 }
 
+// A lens that is known is held at first, and forgotten where that leads to nothing.
+static bool search_by_lens(FfpTurning *t, bool *found, bool *unclear, FfpError *err) {
+    const double deviation = t->focal.deviation;
+    if (deviation > 0) t->focal.deviation = FFP_FOCAL_HELD;
+    bool ok = search(t, found, unclear, err);
+    t->focal.deviation = ok && *found ? deviation : 0;
+    return !ok || *found || !(deviation > 0) ? ok : search(t, found, unclear, err);
+}
+
 static void mirror(const FfpTracks *t) {
     for (int i = 0; i < t->n_sightings; i++) {
         FfpSighting *s = &t->sightings[i];
@@ -398,7 +407,7 @@ bool ffp_turning_start(FfpTurning *t, FfpError *err) {
             "only %d spots of the panel fall on something that looks different from stop to stop: "
             "put an object on the turntable that is not round about its axis, well lit",
             moving);
-    if (!search(t, &found, &unclear, err)) return false;
+    if (!search_by_lens(t, &found, &unclear, err)) return false;
     if (!found) return fail_to_turn(t, err);
     if (!unclear) return true;
     if (!ffp_turning_check_parallax(t, err)) return false;

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "core/base/alloc.h"
+#include "core/base/call.h"
 #include "core/base/log.h"
 #include "core/capture/node.h"
 #include "core/numerics/rank.h"
@@ -25,9 +26,9 @@ enum { STOPS_LEAST = 3, ROUNDS = 8, STEPS = 8, FEW_SIGHTINGS = 2000, FIT_SIGHTIN
 
 // --- Fitting. ---
 
-static void fit_well(FfpTurning *t) {
-    const int few = t->tracks->n_sightings / FEW_SIGHTINGS + 1,
-              all = t->tracks->n_sightings / FIT_SIGHTINGS + 1;
+// To a part of the sightings, until nothing moves.
+static void settle(FfpTurning *t) {
+    const int few = t->tracks->n_sightings / FEW_SIGHTINGS + 1;
     double before = INFINITY, scale = SCALE_FIRST;
     for (int round = 0; round < ROUNDS; round++) {
         ffp_turning_fit(t, few, scale, STEPS, false);
@@ -36,6 +37,12 @@ static void fit_well(FfpTurning *t) {
         if (fabs(now - before) < SETTLED) break;
         before = now;
     }
+}
+
+static void fit_well(FfpTurning *t) {
+    const int all = t->tracks->n_sightings / FIT_SIGHTINGS + 1;
+    settle(t);
+    const double scale = fmax(SCALE_MEDIANS * t->surface, SCALE_LEAST);
     ffp_turning_fit(t, all, scale, STEPS, false);
     ffp_turning_fit(t, all, scale, STEPS, true);
 }
@@ -62,6 +69,60 @@ static bool drop_stops(FfpTurning *t) {
     if (any) ffp_turning_set_stops(t);
     return any;
 }
+
+// --- The best of several fits: focal length and distance do much the same, and in between a fit may stay
+// where the surfaces agree only in part. ---
+
+typedef struct Fitted {
+    double optics[FFP_BUNDLE_OPTICS], off[FFP_PLACES_MAX], disagreement;
+    FfpRigid camera;
+    FfpAxis axis;
+} Fitted;
+
+static Fitted keep(FfpTurning *t) {
+    const int stride = t->tracks->n_sightings / FIT_SIGHTINGS + 1;
+    Fitted f = {.camera = t->camera, .axis = t->axis};
+    memcpy(f.optics, t->optics, sizeof f.optics);
+    memcpy(f.off, t->off, (size_t)t->tracks->n_places * sizeof *f.off);
+    ffp_turning_triangulate(t, stride);
+    f.disagreement = ffp_turning_disagreement(t, stride, SCALE_LEAST);
+    return f;
+}
+
+static void restore(FfpTurning *t, const Fitted *f) {
+    memcpy(t->optics, f->optics, sizeof f->optics);
+    memcpy(t->off, f->off, (size_t)t->tracks->n_places * sizeof *f->off);
+    t->camera = f->camera, t->axis = f->axis;
+}
+
+// Fits with the focal length held at first.
+static Fitted fit_from(FfpTurning *t, const Fitted *start, double log_focal) {
+    const FfpKnownFocal known = t->focal;
+    restore(t, start);
+    t->focal = (FfpKnownFocal){log_focal, FFP_FOCAL_HELD};
+    settle(t);
+    t->focal = known;
+    settle(t);
+    return keep(t);
+}
+
+static void fit_best(FfpTurning *t) {
+    static const double steps[] = {-0.07, 0.07, -0.14, 0.14}; // of the focal length's logarithm
+    enum { STARTS = sizeof steps / sizeof *steps };
+    settle(t);
+    const Fitted first = keep(t);
+    Fitted best = first;
+    for (int i = 0; i < STARTS + (t->focal.deviation > 0); i++) {
+        const double focal = i < STARTS ? first.optics[FFP_BUNDLE_CAMERA_FOCAL] + steps[i] : t->focal.log;
+        const Fitted other = fit_from(t, &first, focal);
+        if (other.disagreement < best.disagreement) best = other;
+        ffp_cancel_point();
+    }
+    restore(t, &best);
+    fit_well(t);
+}
+
+// --- Stops. ---
 
 // How many spots two stops both see, and how many of them at the same pixel.
 static void count_still(const FfpTracks *t, int first, int second, int *both, int *still) {
@@ -152,20 +213,27 @@ static void settle_point(FfpTurning *t) {
     ffp_free(along);
 }
 
+static bool find(FfpTurning *t, FfpError *err) {
+    t->angles_known = 0;
+    if (!ffp_turning_start(t, err)) return false;
+    t->angles_known = ANGLES_OFF * FFP_PI_DOUBLE / 180;
+    fit_best(t);
+    return true;
+}
+
 bool ffp_self_calibration_turn(FfpTurning *t, FfpError *err) {
     drop_twins(t->tracks);
     ffp_turning_set_stops(t);
     ffp_turning_drop_still(t);
     if (stops_used(t->tracks) < STOPS_LEAST) return check_stops(t->tracks, err);
-    if (!ffp_turning_start(t, err)) return false;
-    t->angles_known = ANGLES_OFF * FFP_PI_DOUBLE / 180;
-    fit_well(t);
+    if (!find(t, err)) return false;
+    const FfpKnownFocal lens = t->focal;
+    if (ffp_judge_known_focal(&t->focal, t->optics[FFP_BUNDLE_CAMERA_FOCAL])) {
+        if (!find(t, err)) return false;
+        ffp_tell_known_focal(&lens, t->optics[FFP_BUNDLE_CAMERA_FOCAL]);
+    }
     if (drop_stops(t) && stops_used(t->tracks) >= STOPS_LEAST) fit_well(t);
     if (!check_stops(t->tracks, err) || !check_angles(t, err)) return false;
-    if (ffp_judge_known_focal(&t->focal, t->optics[FFP_BUNDLE_CAMERA_FOCAL])) {
-        fit_well(t);
-        ffp_tell_known_focal(&t->focal, t->optics[FFP_BUNDLE_CAMERA_FOCAL]);
-    }
     orient(t);
     settle_point(t);
     if (!(t->tilt * 180 / FFP_PI_DOUBLE < TILT_OPEN))

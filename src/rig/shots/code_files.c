@@ -32,7 +32,7 @@ static void add_pattern(FfpShots *shots, int stops, int width, int height, int a
         shots->pictures[stop * FFP_PATTERNS_MAX + pattern] = shots->codes[stop * shots->n_codes + index];
 }
 
-// The codes were found with the other photographs (pictures.c).
+// The codes were found with the other photographs (shots.c).
 static bool take_shown(FfpShots *shots, const char *template, int stops, int width, int height, int axis,
                        FfpError *err) {
     if (template) return ffp_fail(err, FFP_ERROR_ARGUMENT, WHERE, "the photographs include the Gray codes");

@@ -14,7 +14,7 @@
 
 // --- Names in order. ---
 
-int ffp_natural_order(const char *a, const char *b) {
+static int natural_order(const char *a, const char *b) {
     while (*a != 0 && *b != 0) {
         if (isdigit((unsigned char)*a) && isdigit((unsigned char)*b)) {
             a += strspn(a, "0"), b += strspn(b, "0");
@@ -33,7 +33,7 @@ int ffp_natural_order(const char *a, const char *b) {
 
 int ffp_compare_paths(const void *a, const void *b) {
     const char *x = *(char *const *)a, *y = *(char *const *)b;
-    const int order = ffp_natural_order(x, y);
+    const int order = natural_order(x, y);
     return order != 0 ? order : strcmp(x, y); // "1.png" and "01.png"
 }
 

@@ -1,15 +1,14 @@
 // Names of files with placeholders and *: one rule for photographs, Gray codes and masks.
-#ifndef FFP_RIG_FILE_NAMES_H
-#define FFP_RIG_FILE_NAMES_H
+#ifndef FFP_SHOTS_FILE_NAMES_H
+#define FFP_SHOTS_FILE_NAMES_H
 
 #include "core/base/arena.h"
 #include "rig/optics/calibration.h"
 
-// Whether a comes before b when runs of digits count as numbers: "img_9" before "img_10".
-int ffp_natural_order(const char *a, const char *b);
-// The same of two paths, for qsort; "1.png" and "01.png" have an order, too.
+// Order of two paths for qsort: runs of digits count as numbers, "img_9" before "img_10"; "1.png" and
+// "01.png" have an order, too.
 int ffp_compare_paths(const void *a, const void *b);
-// Whether placeholders of a template tell views apart.
+// Whether the template has a placeholder that differs from view to view.
 bool ffp_files_by_view(const char *template);
 
 // Files in natural order, [n], of a camera whose numbers began again (9999, 0001): the part before that comes
@@ -26,17 +25,18 @@ typedef struct FfpFileSet {
     const char *const *names;          // [n_names] what {pattern} stands for; NULL: nothing, n_names is 1
     int n_names;
     const char *kind;  // for errors: "photographs"
-    const char *name;  // and what a name is of: "pattern"
+    const char *name;  // and what each name denotes: "pattern"
     const char *order; // and in which order they must be; "": as the names are
     bool gaps;         // files may be missing: their paths are NULL
 } FfpFileSet;
 
-// The paths, [n_stops, n_names]; each is known to exist, unless there may be gaps. Which of a view's files
-// that match * are missing then tells the last number in their names; those after the last number are the
-// last, and where there are half as many as names and no number is left out, every second one is missing.
-// Placeholders are filled in first: {view}, {pattern}, {index} (from 0), {number} (from 1) and {number:3}
-// (with zeros). What they do not tell apart is given by *, whose files are taken in natural order: all names
-// of the first view, then of the second. ? and [...] are wildcards, too, where no file is called so.
+// The paths, [n_stops, n_names], which must be NULL before the call; each is known to exist, unless there may
+// be gaps. With gaps, the last number in each name that matches * shows which files of a view are missing;
+// those after the last number are the last, and if there are half as many as names and no number is left out,
+// every second one is missing. Placeholders are filled in first: {view}, {pattern}, {index} (from 0),
+// {number} (from 1) and {number:3} (with zeros). What they do not tell apart is given by *, whose files are
+// taken in natural order: all names of the first view, then of the second. ? and [...] are wildcards, too,
+// unless a file has that literal name.
 bool ffp_files_find(const char **paths, FfpArena *arena, const FfpFileSet *set, FfpError *err);
 
 #endif

@@ -63,8 +63,9 @@ static bool add(FfpShotFolders *out, const char *path, const char **files, int n
     for (int i = 0; i < out->n; i++)
         if (out->folders[i].device == status.st_dev && out->folders[i].inode == status.st_ino)
             return ffp_fail(err, FFP_ERROR_FILE, path, "the folder is named twice");
-    if (out->n == FFP_ATTITUDES_MAX)
-        return ffp_fail(err, FFP_ERROR_FILE, path, "more than %d folders of photographs", FFP_ATTITUDES_MAX);
+    if (out->n == FFP_SHOT_FOLDERS_MAX)
+        return ffp_fail(err, FFP_ERROR_FILE, path, "more than %d folders of photographs",
+                        FFP_SHOT_FOLDERS_MAX);
     char name[FFP_PATH_MAX];
     snprintf(name, sizeof name, "%s", path);
     for (size_t end = strlen(name); end > 1 && name[end - 1] == '/';) name[--end] = 0;
@@ -93,7 +94,7 @@ static bool find(FfpShotFolders *out, const char *path, FfpError *err) {
 
 bool ffp_shot_folders_find(FfpShotFolders *out, const char *const *paths, int n_paths, FfpError *err) {
     *out = (FfpShotFolders){.arena = ffp_arena_new()};
-    out->folders = ffp_arena_alloc(out->arena, FFP_ATTITUDES_MAX, sizeof *out->folders);
+    out->folders = ffp_arena_alloc(out->arena, FFP_SHOT_FOLDERS_MAX, sizeof *out->folders);
     for (int i = 0; i < n_paths; i++)
         if (!find(out, paths[i], err)) return false;
     return true;
@@ -113,8 +114,8 @@ static bool take_codes(FfpShotFolder *folder, const FfpShown *shown) {
     return false;
 }
 
-bool ffp_shot_folders_take(FfpShotFolders *folders, const char *shown_folder, int *width, int *height,
-                           FfpError *err) {
+bool ffp_shot_folders_select_codes(FfpShotFolders *folders, const char *shown_folder, int *width, int *height,
+                                   FfpError *err) {
     FfpShown shown;
     bool ok = ffp_shown_read(&shown, shown_folder, err);
     if (ok && shown.n_codes == 0)

@@ -1,6 +1,6 @@
 // Which file shows which view under which pattern.
-#ifndef FFP_RIG_PICTURES_H
-#define FFP_RIG_PICTURES_H
+#ifndef FFP_SHOTS_SHOTS_H
+#define FFP_SHOTS_SHOTS_H
 
 #include "core/base/arena.h"
 #include "core/patterns/shown.h"
@@ -9,13 +9,13 @@
 
 typedef struct FfpShotPattern {
     char name[FFP_NAME_MAX];
-    const char *file; // what was projected; NULL: black or white, or
+    const char *file; // what was projected; NULL for black, white and Gray codes
     int code;         // the Gray code with this number, from 1 (graycode.h); 0: none
     bool novel;
 } FfpShotPattern;
 
 typedef struct FfpShots {
-    FfpArena *arena; // owns all strings and lists
+    FfpArena *arena; // owns all strings and lists but those of `shown`
     int n_patterns, black, white;
     FfpShotPattern *patterns; // [FFP_PATTERNS_MAX]
     const char **pictures;    // [n_stops, FFP_PATTERNS_MAX]; NULL: none

@@ -10,7 +10,7 @@
 int ffp_tag_of(const char *const *files, int n, const char *where, FfpError *err);
 // The tag that most of n have; those that are 0 do not count.
 int ffp_tag_usual(const int *tags, int n);
-// The error of those ("view 045", "attitude-03") that have another tag than most. Returns false.
+// Reports an orientation tag ("view 045", "attitude-03") that differs from the majority's. Returns false.
 bool ffp_tag_fail(const char *whose, int tag, int usual, const char *where, FfpError *err);
 
 #endif

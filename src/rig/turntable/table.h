@@ -1,6 +1,6 @@
 // The axis of a turntable from a chessboard that lies or stands on it, at known angles.
-#ifndef FFP_CALIBRATE_TABLE_H
-#define FFP_CALIBRATE_TABLE_H
+#ifndef FFP_TURNTABLE_TABLE_H
+#define FFP_TURNTABLE_TABLE_H
 
 #include "core/capture/capture.h"
 #include "rig/chessboard/board.h"
