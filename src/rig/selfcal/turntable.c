@@ -11,7 +11,7 @@
 #include "rig/findings/tell.h"
 #include "rig/selfcal/selfcal.h"
 
-enum { STOPS_LEAST = 3, ROUNDS = 8, STEPS = 8, FEW_SIGHTINGS = 2000, FIT_SIGHTINGS = 8000 };
+enum { STOPS_LEAST = 3, ROUNDS = 8, ROUNDS_HELD = 2, STEPS = 8, FEW_SIGHTINGS = 2000, FIT_SIGHTINGS = 8000 };
 #define ANGLES_OFF 2.0  // degrees: deviation of an angle that is given
 #define ANGLES_MOST 6.0 // degrees that one may be off
 #define SCALE_FIRST 2.0 // pixels
@@ -21,16 +21,17 @@ enum { STOPS_LEAST = 3, ROUNDS = 8, STEPS = 8, FEW_SIGHTINGS = 2000, FIT_SIGHTIN
 #define STILL 0.7        // pixels within which a spot is where it was
 #define STILL_SHARE 0.8  // of the spots that two stops see: between these nothing turned
 #define SPOTS_LEAST 50   // that two stops must both see to tell
+#define SAME_FOCAL 0.01  // of its logarithm: the fit went back to where it began
 #define SETTLED 1e-4     // by which a focal length moves when there is nothing more to gain
 #define TILT_OPEN 3.0    // degrees, the axis' deviation
 
 // --- Fitting. ---
 
 // To a part of the sightings, until nothing moves.
-static void settle(FfpTurning *t) {
+static void settle(FfpTurning *t, int rounds) {
     const int few = t->tracks->n_sightings / FEW_SIGHTINGS + 1;
     double before = INFINITY, scale = SCALE_FIRST;
-    for (int round = 0; round < ROUNDS; round++) {
+    for (int round = 0; round < rounds; round++) {
         ffp_turning_fit(t, few, scale, STEPS, false);
         scale = fmax(SCALE_MEDIANS * t->surface, SCALE_LEAST);
         const double now = t->optics[FFP_BUNDLE_CAMERA_FOCAL];
@@ -41,7 +42,7 @@ static void settle(FfpTurning *t) {
 
 static void fit_well(FfpTurning *t) {
     const int all = t->tracks->n_sightings / FIT_SIGHTINGS + 1;
-    settle(t);
+    settle(t, ROUNDS);
     const double scale = fmax(SCALE_MEDIANS * t->surface, SCALE_LEAST);
     ffp_turning_fit(t, all, scale, STEPS, false);
     ffp_turning_fit(t, all, scale, STEPS, true);
@@ -100,21 +101,24 @@ static Fitted fit_from(FfpTurning *t, const Fitted *start, double log_focal) {
     const FfpKnownFocal known = t->focal;
     restore(t, start);
     t->focal = (FfpKnownFocal){log_focal, FFP_FOCAL_HELD};
-    settle(t);
+    settle(t, ROUNDS_HELD);
     t->focal = known;
-    settle(t);
+    settle(t, ROUNDS);
     return keep(t);
 }
 
 static void fit_best(FfpTurning *t) {
-    static const double steps[] = {-0.07, 0.07, -0.14, 0.14}; // of the focal length's logarithm
+    static const double steps[] = {-0.07, 0.07, -0.14,
+                                   0.14}; // of the focal length's logarithm, nearest first
     enum { STARTS = sizeof steps / sizeof *steps };
-    settle(t);
+    settle(t, ROUNDS);
     const Fitted first = keep(t);
+    const double focal = first.optics[FFP_BUNDLE_CAMERA_FOCAL];
     Fitted best = first;
-    for (int i = 0; i < STARTS + (t->focal.deviation > 0); i++) {
-        const double focal = i < STARTS ? first.optics[FFP_BUNDLE_CAMERA_FOCAL] + steps[i] : t->focal.log;
-        const Fitted other = fit_from(t, &first, focal);
+    bool returned = true;
+    for (int i = 0; i < STARTS && (i < STARTS / 2 || !returned); i++) {
+        const Fitted other = fit_from(t, &first, focal + steps[i]);
+        returned = returned && fabs(other.optics[FFP_BUNDLE_CAMERA_FOCAL] - focal) < SAME_FOCAL;
         if (other.disagreement < best.disagreement) best = other;
         ffp_cancel_point();
     }

@@ -219,7 +219,7 @@ static void check_found(const Table *table, int used) {
         }
         sound++;
         const double found = t->given[p] + (t->reversed ? -1 : 1) * t->off[p];
-        assert_float_equal(found - t->given[0], truth - angle_of(table, 0), 2e-3);
+        assert_float_equal(found - t->given[0], truth - angle_of(table, 0), 3e-3);
     }
     assert_int_equal(sound, used);
     forget(&f);
