@@ -108,7 +108,7 @@ bool ffp_places_read(const FfpSelfCalibration *o, FfpTracks *tracks, FfpError *e
     tracks->panel_width = o->width, tracks->panel_height = o->height;
     bool ok = ffp_shot_folders_find(&r.folders, o->places, o->n_places, err) &&
               (!o->shown || ffp_shot_folders_select_codes(&r.folders, o->shown, &tracks->panel_width,
-                                                  &tracks->panel_height, err)) &&
+                                                          &tracks->panel_height, err)) &&
               read_places(&r, err);
     ffp_shot_folders_free(&r.folders);
     return ok;

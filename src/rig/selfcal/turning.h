@@ -9,6 +9,8 @@
 #include "rig/turntable/axis.h"
 
 enum { FFP_TURNING_NEXT = 3 };
+#define FFP_PARALLAX_CLEAR 6.0 // degrees, from which on it leaves nothing unclear
+#define FFP_PARALLAX_LEAST 4.0
 
 typedef struct FfpTurning {
     const FfpTracks *tracks; // places are stops
@@ -43,8 +45,8 @@ void ffp_turning_set_stops(FfpTurning *turning);
 
 // Median angle between the rays by which projector and camera see a point, degrees.
 double ffp_turning_parallax(const FfpTurning *turning);
-// Where something is unclear: whether it may be because that angle is too small.
-bool ffp_turning_check_parallax(const FfpTurning *turning, FfpError *err);
+// Whether it is `least` or more: FFP_PARALLAX_CLEAR where something is unclear, FFP_PARALLAX_LEAST anyway.
+bool ffp_turning_check_parallax(const FfpTurning *turning, double least, FfpError *err);
 
 // Solves the nearness of every `stride`-th sighting for the devices as they are.
 void ffp_turning_triangulate(FfpTurning *turning, int stride);

@@ -21,10 +21,9 @@ enum { CANDIDATES = 48, WAVE = 12, FINALISTS = 4, OF_ONE = 6, SHORT_STEPS = 4 };
 #define SAME 0.94        // cosine: 20 degrees
 #define SURE 0.6         // disagreement below which no more are tried
 #define AGREED 0.7       // disagreement of an axis that is one
-#define ALIKE 0.1    // by which the light of another axis must agree worse, where its surfaces agree as well
-#define ALONG 0.2    // disagreement by which an axis along the view must be better to be tried first
-#define PARALLAX 6.0 // degrees that leave nothing unclear
-#define CLEAR 0.05   // by which another axis must be worse
+#define ALIKE 0.1  // by which the light of another axis must agree worse, where its surfaces agree as well
+#define ALONG 0.2  // disagreement by which an axis along the view must be better to be tried first
+#define CLEAR 0.05 // by which another axis must be worse
 
 static const double camera_guesses[] = {1.3, 0.9, 2.0, 3.0}; // focal lengths, of the width
 static const double projector_guesses[] = {1.4, 0.9, 2.0, 0.6, 3.0};
@@ -389,9 +388,9 @@ static bool fail_to_turn(FfpTurning *t, FfpError *err) {
     return false;
 }
 
-bool ffp_turning_check_parallax(const FfpTurning *t, FfpError *err) {
+bool ffp_turning_check_parallax(const FfpTurning *t, double least, FfpError *err) {
     const double parallax = ffp_turning_parallax(t);
-    return parallax >= PARALLAX ||
+    return parallax >= least ||
            ffp_fail(err, FFP_ERROR_FILE, NULL,
                     "projector and camera are too near to each other for what they see (%.1f degrees between "
                     "their rays): move the projector farther from the camera",
@@ -410,7 +409,7 @@ bool ffp_turning_start(FfpTurning *t, FfpError *err) {
     if (!search_by_lens(t, &found, &unclear, err)) return false;
     if (!found) return fail_to_turn(t, err);
     if (!unclear) return true;
-    if (!ffp_turning_check_parallax(t, err)) return false;
+    if (!ffp_turning_check_parallax(t, FFP_PARALLAX_CLEAR, err)) return false;
     return ffp_fail(err, FFP_ERROR_FILE, NULL,
                     "the object looks the same about several axes: put something with corners, or several "
                     "things, on the turntable");

@@ -144,7 +144,7 @@ static void count_still(const FfpTracks *t, int first, int second, int *both, in
 }
 
 // Leaves out stops at which the object stands as at another before them. Where most stops are such, it is
-// round, which is told elsewhere.
+// round, which other checks report.
 static void drop_twins(const FfpTracks *t) {
     int twin[FFP_PLACES_MAX], twins = 0;
     for (int q = 0; q < t->n_places; q++) {
@@ -183,7 +183,7 @@ static bool check_angles(const FfpTurning *t, FfpError *err) {
     for (int p = 0; p < t->tracks->n_places; p++) {
         const double off = t->off[p] * 180 / FFP_PI_DOUBLE;
         if (t->tracks->places[p].problem[0] == 0 && fabs(off) > ANGLES_MOST)
-            return ffp_turning_check_parallax(t, err) &&
+            return ffp_turning_check_parallax(t, FFP_PARALLAX_CLEAR, err) &&
                    ffp_fail(
                        err, FFP_ERROR_FILE, NULL,
                        "the stop '%s' turned by %.1f degrees from the angle given: give the angles by which "
@@ -237,7 +237,9 @@ bool ffp_self_calibration_turn(FfpTurning *t, FfpError *err) {
         ffp_tell_known_focal(&lens, t->optics[FFP_BUNDLE_CAMERA_FOCAL]);
     }
     if (drop_stops(t) && stops_used(t->tracks) >= STOPS_LEAST) fit_well(t);
-    if (!check_stops(t->tracks, err) || !check_angles(t, err)) return false;
+    if (!check_stops(t->tracks, err) || !ffp_turning_check_parallax(t, FFP_PARALLAX_LEAST, err) ||
+        !check_angles(t, err))
+        return false;
     orient(t);
     settle_point(t);
     if (!(t->tilt * 180 / FFP_PI_DOUBLE < TILT_OPEN))
