@@ -48,29 +48,6 @@ static void fit_well(FfpTurning *t) {
     ffp_turning_fit(t, all, scale, STEPS, true);
 }
 
-// Leaves out stops whose surface is not where the others turn to; whether there are any.
-static bool drop_stops(FfpTurning *t) {
-    const FfpTracks *tracks = t->tracks;
-    double shares[FFP_PLACES_MAX];
-    real sorted[FFP_PLACES_MAX];
-    size_t n = 0;
-    ffp_turning_agreement(t, fmax(SCALE_MEDIANS * t->surface, SCALE_LEAST), shares);
-    for (int p = 0; p < tracks->n_places; p++)
-        if (shares[p] >= 0) sorted[n++] = (real)shares[p];
-    const double usual = n > 0 ? (double)ffp_median(sorted, n) : 0;
-    bool any = false;
-    for (int p = 0; p < tracks->n_places; p++) {
-        if (shares[p] < 0 || shares[p] >= AGREES_LEAST * usual) continue;
-        any = true;
-        snprintf(tracks->places[p].problem, sizeof tracks->places[p].problem,
-                 "of what it and the stops beside it see, %.0f %% agree, and elsewhere %.0f %%: its angle is "
-                 "another, or the object, the camera or the projector moved",
-                 100 * shares[p], 100 * usual);
-    }
-    if (any) ffp_turning_set_stops(t);
-    return any;
-}
-
 // --- The best of several fits: focal length and distance do much the same, and in between a fit may stay
 // where the surfaces agree only in part. ---
 
@@ -96,7 +73,7 @@ static void restore(FfpTurning *t, const Fitted *f) {
     t->camera = f->camera, t->axis = f->axis;
 }
 
-// Fits with the focal length held at first.
+// Fits with the focal length held at first, to keep what lies beyond the nearest bottom of the valley.
 static Fitted fit_from(FfpTurning *t, const Fitted *start, double log_focal) {
     const FfpKnownFocal known = t->focal;
     restore(t, start);
@@ -107,9 +84,9 @@ static Fitted fit_from(FfpTurning *t, const Fitted *start, double log_focal) {
     return keep(t);
 }
 
+// The best of fits from several focal lengths; the farther ones are tried unless both near ones lead back.
 static void fit_best(FfpTurning *t) {
-    static const double steps[] = {-0.07, 0.07, -0.14,
-                                   0.14}; // of the focal length's logarithm, nearest first
+    static const double steps[] = {-0.07, 0.07, -0.14, 0.14}; // of the logarithm, nearest first
     enum { STARTS = sizeof steps / sizeof *steps };
     settle(t, ROUNDS);
     const Fitted first = keep(t);
@@ -127,6 +104,29 @@ static void fit_best(FfpTurning *t) {
 }
 
 // --- Stops. ---
+
+// Leaves out stops whose surface is not where the others turn to; whether there are any.
+static bool drop_stops(FfpTurning *t) {
+    const FfpTracks *tracks = t->tracks;
+    double shares[FFP_PLACES_MAX];
+    real sorted[FFP_PLACES_MAX];
+    size_t n = 0;
+    ffp_turning_agreement(t, fmax(SCALE_MEDIANS * t->surface, SCALE_LEAST), shares);
+    for (int p = 0; p < tracks->n_places; p++)
+        if (shares[p] >= 0) sorted[n++] = (real)shares[p];
+    const double usual = n > 0 ? (double)ffp_median(sorted, n) : 0;
+    bool any = false;
+    for (int p = 0; p < tracks->n_places; p++) {
+        if (shares[p] < 0 || shares[p] >= AGREES_LEAST * usual) continue;
+        any = true;
+        snprintf(tracks->places[p].problem, sizeof tracks->places[p].problem,
+                 "of what it and the stops beside it see, %.0f %% agree, and elsewhere %.0f %%: its angle is "
+                 "another, or the object, the camera or the projector moved",
+                 100 * shares[p], 100 * usual);
+    }
+    if (any) ffp_turning_set_stops(t);
+    return any;
+}
 
 // How many spots two stops both see, and how many of them at the same pixel.
 static void count_still(const FfpTracks *t, int first, int second, int *both, int *still) {
