@@ -276,7 +276,7 @@ function drawObject(state) {
 
 // --- How well the stops so far determine the rig. ---
 
-const GOOD = {focal: 0.03, tilt: 1.5, surface: 0.5}; // share, degrees, pixels
+const GOOD = {focal: 0.02, tilt: 1.5, surface: 0.5}; // share, degrees, pixels
 
 async function knownFigures(folder) {
   const fit = await fitOf(`${folder}/calibration.xml`), axis = JSON.parse(await textOf(`${folder}/axis.json`));
@@ -299,6 +299,9 @@ async function tellKnown(state, object) {
   const figures = [['focal lengths, camera and projector', `to ${percent(focal[0])} and ${percent(focal[1])}`], ['the turntable\u2019s axis', `to ${axis.tilt.toFixed(2)} degrees`],
     ['surfaces of the stops agree', `within ${axis.rms.toFixed(2)} pixels`], ['stops used', `${axis.views.length - axis.left_out.length} of ${axis.views.length}`]];
   $('known-verdict').textContent = good ? 'Camera, projector and axis are known well enough: go on' : 'Camera, projector and axis are known roughly: further stops tell more';
+  // stops that were completed while this was computed
+  if (object.sets.filter((set) => set.name.includes('/view-') && complete(set)).length > axis.views.length && !shooting.running)
+    await doIt({verb: 'look', set: object.sets[object.sets.length - 1].name});
   $('known-figures').replaceChildren(...figures.flatMap(([name, value]) => [element('dt', {textContent: name}), element('dd', {textContent: value})]));
 }
 

@@ -5,7 +5,7 @@
 #include "rig/selfcal/selfcal.h"
 
 #define FOCAL_OPEN 0.1    // share of the focal length by which it may be uncertain
-#define FOCAL_VAGUE 0.01  // and where that is worth a warning
+#define FOCAL_VAGUE 0.02  // and where that is worth a warning
 #define KNOWN_OFF 2.5     // deviations that a focal length may be off what was known
 #define FOCAL_KNOWN 0.03  // deviation of a focal length that a lens or a file says
 #define FULL_FRAME 43.267 // diagonal of 36 x 24, mm
