@@ -141,8 +141,7 @@ static void list_photographs(const Writing *w) {
         fprintf(w->text,
                 "    view-000/           the object: 001 to %03d%s\n"
                 "    view-045/ ...       likewise, all the way round\n",
-                all > capture ? all : capture,
-                all > capture ? " (with a chessboard the codes may be left out)" : "");
+                all, all > capture ? " (with a chessboard the codes may be left out)" : "");
     fputs("\n", w->text);
 }
 
