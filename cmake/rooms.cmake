@@ -26,10 +26,10 @@ ffp_wing(engine) # from a capture to Gaussians, and from Gaussians to pictures
 ffp_room(denoise DEPS capture base LIBS PkgConfig::OPENBLAS)
 # projector matching and the classical initialisation
 ffp_room(match NUMERIC DEPS capture image numerics base)
-# the hybrid encoder and its heads; configurations and weights
-ffp_room(network NUMERIC DEPS match gaussians capture tensor base LIBS PkgConfig::JANSSON READERS config parameters weights)
 # rasterise, map to the projector, shade, resolve; and back: the view pass
 ffp_room(render NUMERIC DEPS gaussians capture image base)
+# the hybrid encoder and its heads; configurations and weights
+ffp_room(network NUMERIC DEPS render match gaussians capture image tensor base LIBS PkgConfig::JANSSON READERS config parameters weights)
 # loss terms and metrics
 ffp_room(loss NUMERIC DEPS tensor image base)
 # fits to one object's photographs

@@ -150,6 +150,29 @@ static void splat_backward(float *draw, const FfpPixelBase *base, const float *r
                     residual ? (int)FFP_RESIDUAL_NUMBERS : (int)FFP_PLAIN_NUMBERS, *grad, grad_t);
 }
 
+static __global__ void look_compare_each(size_t pixels, float *numbers, FfpLookPictures drawn,
+                                         const float *colour, const float *coverage) {
+    const size_t i = ffp_thread();
+    if (i < pixels)
+        ffp_look_pixel(numbers + i * FFP_LOOK_NUMBERS, &drawn, i, colour + i * FFP_LOOK_COLOURS, coverage[i]);
+}
+
+static void look_compare(float *numbers, const FfpLookPictures *drawn, const float *colour,
+                         const float *coverage, size_t pixels) {
+    ffp_launch_each(pixels, look_compare_each, numbers, *drawn, colour, coverage);
+}
+
+static __global__ void look_gather_each(size_t count, float *out, FfpLooked l, int64_t first) {
+    const size_t i = ffp_thread(), g = (size_t)first + i;
+    if (i < count)
+        ffp_look_inputs(out + i * (size_t)(FFP_LOOK_SEEN + l.numbers), &l.maps, l.pixel[g], l.centre + 3 * g,
+                        l.raw + g * (size_t)l.numbers, l.numbers);
+}
+
+static void look_gather(float *out, const FfpLooked *looked, int64_t first, int count) {
+    ffp_launch_each((size_t)count, look_gather_each, out, *looked, first);
+}
+
 extern "C" const struct FfpNetworkTable ffp_cuda_network = {
     .gather_rows = gather_rows,
     .scatter_rows = scatter_rows,
@@ -158,4 +181,6 @@ extern "C" const struct FfpNetworkTable ffp_cuda_network = {
     .add_context_inputs = add_context_inputs,
     .splat = splat,
     .splat_backward = splat_backward,
+    .look_compare = look_compare,
+    .look_gather = look_gather,
 };

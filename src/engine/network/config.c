@@ -81,6 +81,8 @@ bool ffp_model_config_check(const FfpModelConfig *config, const char *where, Ffp
         !check_range(config->state, 1, 512, 1, "state", where, err) ||
         !check_range(config->chunk, 1, 1024, 1, "chunk", where, err))
         return false;
+    if (!check_range(config->looks, 0, config->pixel_skip ? FFP_LOOKS_MAX : 0, 1, "looks", where, err))
+        return false;
     const int least = config->pixel_skip ? 1 : 0; // without the pixel MLP its widths mean nothing
     return check_range(config->pixel_features, least, 256, 1, "pixel_features", where, err) &&
            check_range(config->pixel_hidden, least, 1024, 1, "pixel_hidden", where, err);

@@ -34,6 +34,7 @@ void ffp_head_allocate(FfpHead *head, const FfpModelConfig *config, int rows, Ff
     }
     head->tokens = ffp_arena_take(arena, (size_t)rows * w.dim, sizeof(real));
     if (!config->pixel_skip) return;
+    if (config->looks) head->corrections = ffp_arena_take(arena, block * w.numbers, sizeof(real));
     head->gathered = ffp_arena_take(arena, block * w.gathered, sizeof(real));
     head->context_inputs = ffp_arena_take(arena, block * FFP_CONTEXT_CHANNELS, sizeof(real));
     for (int i = 0; i < FFP_HIDDEN_LAYERS; i++) {
@@ -175,14 +176,33 @@ void ffp_head_forward(real *raw, FfpHead *head, int64_t first, int count, const 
         return;
     }
     gather_features(head->gathered, head, first, count, map, &model->config);
-    ffp_pixel_layers_forward(raw, head, first, count, model);
+    const FfpPixelLayers layers = ffp_pixel_layers(head, first, count, model);
+    ffp_pixel_layers_forward(raw, head, &layers, count, model);
+}
+
+static FfpPixelLayers look_layers(const FfpHead *head, const real *seen, int look, const FfpModel *model) {
+    return (FfpPixelLayers){&model->layout->look[look], seen, FFP_LOOK_SEEN + head->widths.numbers};
+}
+
+void ffp_head_correct(real *raw, FfpHead *head, int64_t first, int count, const real *map, const real *seen,
+                      int look, const FfpModel *model) {
+    const FfpPixelLayers layers = look_layers(head, seen, look, model);
+    gather_features(head->gathered, head, first, count, map, &model->config);
+    ffp_pixel_layers_forward(head->corrections, head, &layers, count, model);
+    ffp_add(raw, head->corrections, (size_t)count * head->widths.numbers);
 }
 
 void ffp_head_backward(real *dmap, real *grad, FfpHead *head, int64_t first, int count, const real *draw,
-                       const real *map, const FfpModel *model) {
+                       const real *map, real *const seen[FFP_LOOKS_MAX], const FfpModel *model) {
     if (model->config.pixel_skip) {
         gather_features(head->gathered, head, first, count, map, &model->config);
-        ffp_pixel_layers_backward(head->dgathered, grad, head, first, count, draw, model);
+        ffp_memory_zero(head->dgathered, (size_t)count * head->widths.features * sizeof(real));
+        FfpPixelLayers layers = ffp_pixel_layers(head, first, count, model);
+        ffp_pixel_layers_backward(head->dgathered, grad, head, &layers, count, draw, model);
+        for (int i = 0; i < model->config.looks; i++) {
+            layers = look_layers(head, seen[i] + first * (FFP_LOOK_SEEN + head->widths.numbers), i, model);
+            ffp_pixel_layers_backward(head->dgathered, grad, head, &layers, count, draw, model);
+        }
         draw = head->dgathered;
     }
     scatter_features(dmap, head, first, count, draw);

@@ -36,6 +36,7 @@ typedef struct FfpHead {
     real *gathered;                                                 // [block, features + channels]
     real *context_inputs;                                           // [block, context channels]
     real *hidden[FFP_HIDDEN_LAYERS], *activated[FFP_HIDDEN_LAYERS]; // [block, pixel_hidden]
+    real *corrections;                                              // [block, numbers] with looks
     real *dtokens, *dgathered, *dhidden, *dactivated; // backward only; dgathered [block, features]
 } FfpHead;
 
@@ -62,16 +63,30 @@ void ffp_head_features_backward(real *dtokens, real *grad, FfpHead *head, const 
 // raw [count, numbers] of `count` <= ffp_head_block() Gaussians from `first` on.
 void ffp_head_forward(real *raw, FfpHead *head, int64_t first, int count, const real *map,
                       const FfpModel *model);
-// ADDS to dmap and to the parameter gradients. Recomputes the forward pass: cheaper than to keep it.
+// ADDS the correction of a look, of which the Gaussians are told `seen` (look.h).
+void ffp_head_correct(real *raw, FfpHead *head, int64_t first, int count, const real *map, const real *seen,
+                      int look, const FfpModel *model);
+// ADDS to dmap and to the parameter gradients; seen: of each look. Recomputes the forward pass: cheaper than
+// to keep it.
 void ffp_head_backward(real *dmap, real *grad, FfpHead *head, int64_t first, int count, const real *draw,
-                       const real *map, const FfpModel *model);
+                       const real *map, real *const seen[FFP_LOOKS_MAX], const FfpModel *model);
 
 // --- pixel_layers.c: between head->gathered and raw. ---
 
-void ffp_pixel_layers_forward(real *raw, FfpHead *head, int64_t first, int count, const FfpModel *model);
-// Writes dfeatures [count, features], ADDS to the parameter gradients; a pixel's own inputs need none.
+typedef struct FfpPixelLayers {
+    const FfpPixelLayout *at;
+    const real *more; // [count, columns] the block's further inputs; NULL: none
+    int columns;
+} FfpPixelLayers;
+// Those of the pixel MLP, with what the context tells the block's pixels.
+FfpPixelLayers ffp_pixel_layers(FfpHead *head, int64_t first, int count, const FfpModel *model);
+
+// numbers [count, ...] of the last layer.
+void ffp_pixel_layers_forward(real *numbers, FfpHead *head, const FfpPixelLayers *layers, int count,
+                              const FfpModel *model);
+// ADDS to dfeatures [count, features] and to the parameter gradients; a pixel's own inputs need none.
 // Recomputes the forward pass.
-void ffp_pixel_layers_backward(real *dfeatures, real *grad, FfpHead *head, int64_t first, int count,
-                               const real *draw, const FfpModel *model);
+void ffp_pixel_layers_backward(real *dfeatures, real *grad, FfpHead *head, const FfpPixelLayers *layers,
+                               int count, const real *draw, const FfpModel *model);
 
 #endif

@@ -8,9 +8,15 @@
 #define FFP_CONV_TAPS 4
 #define FFP_MLP_RATIO 4
 #define FFP_HIDDEN_LAYERS 2 // of the pixel MLP
+#define FFP_LOOKS_MAX 4
 #define FFP_TOKENS_MAX 65536
 
 // All fields are offsets. parameters.c gives their shapes.
+typedef struct FfpPixelLayout { // of layers that each pixel passes through separately
+    int64_t hidden[FFP_HIDDEN_LAYERS], hidden_bias[FFP_HIDDEN_LAYERS], last, last_bias;
+    int64_t more; // of the first hidden layer: of the context's inputs, or of what a look shows; 0: none
+} FfpPixelLayout;
+
 typedef struct FfpMambaLayout {
     int64_t norm, in_proj, out_proj;
     struct {
@@ -30,8 +36,8 @@ typedef union FfpBlockLayout {
 typedef struct FfpLayout {
     int64_t tokeniser, tokeniser_norm, final_norm;
     int64_t head, head_bias; // without pixel_skip
-    int64_t features, hidden[FFP_HIDDEN_LAYERS], hidden_bias[FFP_HIDDEN_LAYERS], last, last_bias; // with it
-    int64_t context;                 // with context_inputs: of the first hidden layer
+    int64_t features;        // with it
+    FfpPixelLayout pixel, look[FFP_LOOKS_MAX];
     int64_t mixer[2], mixer_bias[2]; // with appearance_cnn
     FfpBlockLayout blocks[FFP_MODULES_MAX];
 } FfpLayout;

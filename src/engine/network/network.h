@@ -30,6 +30,7 @@ typedef struct FfpModelConfig {
     bool context_inputs; // and numbers that distinguish it from the context's pixels (inputs.h)
     bool appearance_cnn; // two 3x3 convolutions over the tokens before albedo, roughness and ambient: the
                          // paper's ablation
+    int looks;           // rounds in which the input views are drawn and the splats corrected (look.h)
     char render[16];     // "ours" or "paper": the form in which the Gaussians are to be drawn,
     int samples;         // and the samples per side of a pixel
 } FfpModelConfig;

@@ -6,6 +6,7 @@
 #include "core/base/rng.h"
 #include "engine/network/inputs.h"
 #include "engine/network/layout.h"
+#include "engine/network/look.h"
 #include "engine/network/splat.h"
 
 #define LINEAR_DEVIATION 0.02F      // as in GPT (Radford et al. 2018, Sec. 4.1)
@@ -90,6 +91,26 @@ static void add_mixer(FfpModel *model, FfpLayout *at) {
     }
 }
 
+// Layers from a token's features and a pixel's own inputs, and `more` numbers (NULL: none), to the raw ones.
+static void add_pixel_layers(FfpModel *model, FfpPixelLayout *at, const char *name, const char *more,
+                             int columns, FfpInit init) {
+    const FfpModelConfig *c = &model->config;
+    int in = c->pixel_features + ffp_input_channels(c);
+    char prefix[32];
+    for (int i = 0; i < FFP_HIDDEN_LAYERS; i++) {
+        snprintf(prefix, sizeof prefix, "%s.hidden.%d.", name, i);
+        at->hidden[i] =
+            add(model, prefix, "weight", c->pixel_hidden, in, FFP_INIT_NORMAL, 1 / sqrt((double)in));
+        at->hidden_bias[i] = add(model, prefix, "bias", c->pixel_hidden, 0, FFP_INIT_ZERO, 0);
+        in = c->pixel_hidden;
+    }
+    snprintf(prefix, sizeof prefix, "%s.", name);
+    if (more) at->more = add(model, prefix, more, c->pixel_hidden, columns, init, 1 / sqrt((double)columns));
+    snprintf(prefix, sizeof prefix, "%s.last.", name);
+    at->last = add(model, prefix, "weight", ffp_head_numbers(c), in, FFP_INIT_ZERO, 0);
+    at->last_bias = add(model, prefix, "bias", ffp_head_numbers(c), 0, FFP_INIT_ZERO, 0);
+}
+
 // The pixel MLP's layers are narrow: their deviation is 1 / sqrt(fan in), since 0.02 would let nothing
 // through. Its last layer, and the token head of the residual form, start at zero: then the classical
 // initialisation comes out.
@@ -104,20 +125,13 @@ static void add_head(FfpModel *model, FfpLayout *at) {
     }
     at->features = add(model, "pixel.", "features", pixels * c->pixel_features, c->dim, FFP_INIT_NORMAL,
                        1 / sqrt((double)c->dim));
-    int in = c->pixel_features + ffp_input_channels(c);
-    for (int i = 0; i < FFP_HIDDEN_LAYERS; i++) {
-        char prefix[32];
-        snprintf(prefix, sizeof prefix, "pixel.hidden.%d.", i);
-        at->hidden[i] =
-            add(model, prefix, "weight", c->pixel_hidden, in, FFP_INIT_NORMAL, 1 / sqrt((double)in));
-        at->hidden_bias[i] = add(model, prefix, "bias", c->pixel_hidden, 0, FFP_INIT_ZERO, 0);
-        in = c->pixel_hidden;
+    add_pixel_layers(model, &at->pixel, "pixel", c->context_inputs ? "context" : NULL, FFP_CONTEXT_CHANNELS,
+                     FFP_INIT_ZERO);
+    for (int i = 0; i < c->looks; i++) {
+        char name[16];
+        snprintf(name, sizeof name, "look.%d", i);
+        add_pixel_layers(model, &at->look[i], name, "errors", FFP_LOOK_SEEN + numbers, FFP_INIT_NORMAL);
     }
-    if (c->context_inputs)
-        at->context =
-            add(model, "pixel.", "context", c->pixel_hidden, FFP_CONTEXT_CHANNELS, FFP_INIT_ZERO, 0);
-    at->last = add(model, "pixel.last.", "weight", numbers, in, FFP_INIT_ZERO, 0);
-    at->last_bias = add(model, "pixel.last.", "bias", numbers, 0, FFP_INIT_ZERO, 0);
 }
 
 FfpModel *ffp_model_table(const FfpModelConfig *config, const char *where, FfpError *err) {
@@ -125,7 +139,7 @@ FfpModel *ffp_model_table(const FfpModelConfig *config, const char *where, FfpEr
     const size_t blocks = strlen(config->modules);
     FfpModel *model = ffp_alloc(1, sizeof *model);
     model->config = *config;
-    model->parameters = ffp_alloc(16 + 16 * blocks, sizeof *model->parameters);
+    model->parameters = ffp_alloc(16 + 8 * FFP_LOOKS_MAX + 16 * blocks, sizeof *model->parameters);
     model->layout = ffp_alloc(1, sizeof *model->layout);
     FfpLayout *at = model->layout;
     const int64_t in = (int64_t)config->patch * config->patch * ffp_input_channels(config);

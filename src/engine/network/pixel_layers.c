@@ -41,54 +41,62 @@ static const real *context_inputs_of(FfpHead *head, int64_t first, int count) {
     return head->context_inputs;
 }
 
-// hidden [count, width] += context_inputs weight^T, weight [width, channels].
-static void add_context_inputs(real *hidden, const real *context_inputs, const real *weight, int count,
-                               int width) {
+FfpPixelLayers ffp_pixel_layers(FfpHead *head, int64_t first, int count, const FfpModel *model) {
+    const bool told = uses_context_inputs(head, &model->config);
+    return (FfpPixelLayers){&model->layout->pixel, told ? context_inputs_of(head, first, count) : NULL,
+                            FFP_CONTEXT_CHANNELS};
+}
+
+// hidden [count, width] += more weight^T, weight [width, columns].
+static void add_more(real *hidden, const FfpPixelLayers *layers, const real *weight, int count, int width) {
+    const int columns = layers->columns;
+    if (columns != FFP_CONTEXT_CHANNELS) {
+        ffp_gemm_mixed(1, ffp_factor(layers->more, count, columns, columns),
+                       ffp_transposed(ffp_factor(weight, width, columns, columns)), 1, hidden, width);
+        return;
+    }
     if (ffp_device()) {
-        ffp_device()->network->add_context_inputs(hidden, context_inputs, weight, count, width,
-                                                  FFP_CONTEXT_CHANNELS);
+        ffp_device()->network->add_context_inputs(hidden, layers->more, weight, count, width, columns);
         return;
     }
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < count; i++)
         for (int k = 0; k < width; k++)
-            for (int c = 0; c < FFP_CONTEXT_CHANNELS; c++)
-                hidden[(size_t)i * width + k] +=
-                    context_inputs[FFP_CONTEXT_CHANNELS * i + c] * weight[FFP_CONTEXT_CHANNELS * k + c];
+            for (int c = 0; c < columns; c++)
+                hidden[(size_t)i * width + k] += layers->more[columns * i + c] * weight[columns * k + c];
 }
 
 // From head->gathered to the last layer's input.
-static void hidden_forward(FfpHead *head, int64_t first, int count, const FfpModel *model) {
-    const FfpLayout *at = model->layout;
+static void hidden_forward(FfpHead *head, const FfpPixelLayers *layers, int count, const FfpModel *model) {
+    const FfpPixelLayout *at = layers->at;
     const real *x = head->gathered;
     const int width = head->widths.hidden;
     int in = head->widths.gathered;
     for (int i = 0; i < FFP_HIDDEN_LAYERS; i++) {
         ffp_linear_forward(head->hidden[i], x, model->values + at->hidden[i],
                            model->values + at->hidden_bias[i], count, in, width);
-        if (i == 0 && uses_context_inputs(head, &model->config))
-            add_context_inputs(head->hidden[0], context_inputs_of(head, first, count),
-                               model->values + at->context, count, width);
+        if (i == 0 && layers->more) add_more(head->hidden[0], layers, model->values + at->more, count, width);
         ffp_gelu_forward(head->activated[i], head->hidden[i], (size_t)count * width);
         x = head->activated[i];
         in = width;
     }
 }
 
-void ffp_pixel_layers_forward(real *raw, FfpHead *head, int64_t first, int count, const FfpModel *model) {
-    const FfpLayout *at = model->layout;
-    hidden_forward(head, first, count, model);
-    ffp_linear_forward(raw, head->activated[FFP_HIDDEN_LAYERS - 1], model->values + at->last,
+void ffp_pixel_layers_forward(real *numbers, FfpHead *head, const FfpPixelLayers *layers, int count,
+                              const FfpModel *model) {
+    const FfpPixelLayout *at = layers->at;
+    hidden_forward(head, layers, count, model);
+    ffp_linear_forward(numbers, head->activated[FFP_HIDDEN_LAYERS - 1], model->values + at->last,
                        model->values + at->last_bias, count, head->widths.hidden, head->widths.numbers);
 }
 
-void ffp_pixel_layers_backward(real *dfeatures, real *grad, FfpHead *head, int64_t first, int count,
-                               const real *draw, const FfpModel *model) {
+void ffp_pixel_layers_backward(real *dfeatures, real *grad, FfpHead *head, const FfpPixelLayers *layers,
+                               int count, const real *draw, const FfpModel *model) {
     const FfpHeadWidths *w = &head->widths;
-    const FfpLayout *at = model->layout;
+    const FfpPixelLayout *at = layers->at;
     const real *values = model->values;
     const int top = FFP_HIDDEN_LAYERS - 1;
-    hidden_forward(head, first, count, model);
+    hidden_forward(head, layers, count, model);
     ffp_linear_backward(head->dactivated, grad + at->last, grad + at->last_bias, draw, head->activated[top],
                         values + at->last, count, w->hidden, w->numbers);
     for (int i = top; i >= 0; i--) {
@@ -98,12 +106,10 @@ void ffp_pixel_layers_backward(real *dfeatures, real *grad, FfpHead *head, int64
                             values + at->hidden[i], count, i ? w->hidden : w->gathered, w->hidden);
     }
     const FfpFactor dhidden = ffp_factor(head->dhidden, count, w->hidden, w->hidden);
-    if (uses_context_inputs(head, &model->config)) {
-        const real *inputs = context_inputs_of(head, first, count);
+    if (layers->more)
         ffp_gemm(1, ffp_transposed(dhidden),
-                 ffp_factor(inputs, count, FFP_CONTEXT_CHANNELS, FFP_CONTEXT_CHANNELS), 1, grad + at->context,
-                 FFP_CONTEXT_CHANNELS);
-    }
-    ffp_gemm_mixed(1, dhidden, ffp_factor(values + at->hidden[0], w->hidden, w->features, w->gathered), 0,
+                 ffp_factor(layers->more, count, layers->columns, layers->columns), 1, grad + at->more,
+                 layers->columns);
+    ffp_gemm_mixed(1, dhidden, ffp_factor(values + at->hidden[0], w->hidden, w->features, w->gathered), 1,
                    dfeatures, w->features);
 }

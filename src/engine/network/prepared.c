@@ -127,6 +127,7 @@ FfpPrepared *ffp_prepared_new(const FfpModelConfig *config, const FfpCapture *ca
     prepare_pixels(p, &s);
     prepare_taps(p, &s);
     prepare_context_inputs(p, &s);
+    if (config->looks) p->photographs = ffp_photographs_new(capture, views, active);
     ffp_pixel_context_free(&own);
     return p;
 }
@@ -145,6 +146,8 @@ FfpPrepared *ffp_prepared_uploaded(const FfpPrepared *p) {
     there->taps.first = ffp_memory_uploaded(p->taps.first, (size_t)p->taps.rows + 1, sizeof *p->taps.first);
     there->taps.taker = ffp_memory_uploaded(p->taps.taker, entries + 1, sizeof *p->taps.taker);
     there->own = ffp_memory_uploaded(p->own, count * (size_t)p->channels + 1, sizeof *p->own);
+    there->photographs = ffp_photographs_uploaded(p->photographs);
+    if (p->photographs) there->pixel_there = ffp_memory_uploaded(p->pixel, count + 1, sizeof *p->pixel);
     there->context_inputs =
         ffp_memory_uploaded(p->context_inputs, count * FFP_CONTEXT_CHANNELS + 1, sizeof *p->context_inputs);
     return there;
@@ -152,9 +155,10 @@ FfpPrepared *ffp_prepared_uploaded(const FfpPrepared *p) {
 
 void ffp_prepared_free(FfpPrepared *p) {
     if (!p) return;
-    void *const blocks[] = {p->inputs,     p->base,       p->used, p->taps.row,      p->taps.weight,
-                            p->taps.first, p->taps.taker, p->own,  p->context_inputs};
+    void *const blocks[] = {p->inputs,     p->base,       p->used, p->taps.row,       p->taps.weight,
+                            p->taps.first, p->taps.taker, p->own,  p->context_inputs, p->pixel_there};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) ffp_memory_free(blocks[i]);
+    ffp_photographs_free(p->photographs);
     ffp_free(p->pixel);
     ffp_free(p);
 }

@@ -21,6 +21,9 @@ struct FfpPrepared {
     FfpTapTable taps;     // into a map of n_used * patch^2 rows
     real *own;            // [count, channels]; NULL without pixel_skip
     real *context_inputs; // [count, context channels]; NULL where there is nothing to tell
+    // With looks:
+    FfpPhotographs *photographs;
+    int64_t *pixel_there; // [count] `pixel` where the arrays above are
 };
 
 #endif

@@ -6,6 +6,7 @@
 #include "core/tensor/tensor.h"
 #include "engine/network/blocks.h"
 #include "engine/network/inputs.h"
+#include "engine/network/look.h"
 #include "engine/network/mixer.h"
 #include "engine/network/pixels.h"
 
@@ -36,9 +37,13 @@ typedef struct FfpActivations {
     real *draw;                 // [block, numbers], backward only
     FfpMixer mixer;             // with appearance_cnn
     FfpPixels pixels;
-    FfpPixelContext context; // where the caller gave none
-    FfpPrepared *prepared;   // on a device, of captures that the caller did not prepare
-    FfpProfileTimes unread;  // where the times go when nobody asks
+    FfpPhotographs *photographs; // with looks, on the CPU; on a device they are in head.prepared
+    FfpViewPass *pass;           // with looks
+    real *seen[FFP_LOOKS_MAX]; // what the Gaussians were told at each look: of all, or of one block where no
+                               // backward pass follows
+    FfpPixelContext context;   // where the caller gave none
+    FfpPrepared *prepared;     // on a device, of captures that the caller did not prepare
+    FfpProfileTimes unread;    // where the times go when nobody asks
 } FfpActivations;
 
 FfpRun *ffp_run_new(bool backward) {
@@ -54,6 +59,8 @@ void ffp_run_free(FfpRun *run) {
     if (!run) return;
     ffp_pixel_context_free(&run->activations->context);
     ffp_prepared_free(run->activations->prepared);
+    ffp_photographs_free(run->activations->photographs);
+    ffp_view_pass_free(run->activations->pass);
     ffp_arena_free(run->activations->arena);
     ffp_free(run->activations);
     ffp_arena_free(run->arena);
@@ -69,7 +76,7 @@ static bool same_layout(const FfpModelConfig *a, const FfpModelConfig *b) {
            a->state == b->state && a->chunk == b->chunk && a->residual == b->residual &&
            a->match_input == b->match_input && a->pixel_skip == b->pixel_skip &&
            a->pixel_features == b->pixel_features && a->pixel_hidden == b->pixel_hidden &&
-           a->appearance_cnn == b->appearance_cnn;
+           a->appearance_cnn == b->appearance_cnn && a->looks == b->looks;
 }
 
 static real *take(FfpActivations *at, size_t columns) {
@@ -106,6 +113,8 @@ static void prepare(FfpActivations *at, const FfpModelConfig *config, bool recom
                            .recompute = recompute,
                            .context = at->context,
                            .prepared = at->prepared,
+                           .photographs = at->photographs,
+                           .pass = at->pass,
                            .config = *config,
                            .rows = rows,
                            .across = across,
@@ -230,9 +239,10 @@ static void head_backward(FfpActivations *at, real *grad_values, const FfpModel 
         if (mixed) {
             ffp_mixer_split(at->draw, at->mixer.draw, count, numbers);
             ffp_head_backward(at->mixer.dfeatures, grad_values, &at->head, first, count, at->mixer.draw,
-                              at->mixer.features, model);
+                              at->mixer.features, at->seen, model);
         }
-        ffp_head_backward(at->dfeatures, grad_values, &at->head, first, count, at->draw, at->features, model);
+        ffp_head_backward(at->dfeatures, grad_values, &at->head, first, count, at->draw, at->features,
+                          at->seen, model);
     }
     ffp_head_features_backward(at->dfinal, grad_values, &at->head, at->dfeatures, at->final, model);
     if (!mixed) return;
@@ -257,6 +267,38 @@ static FfpProfileTimes *forward_times(FfpRun *run) {
     return run->profile ? &run->profile->forward : &run->activations->unread;
 }
 
+// The input views are drawn with the run's Gaussians, whose raw numbers are corrected by what is wrong there.
+static void look(FfpRun *run, const FfpModel *model, int round) {
+    FfpActivations *at = run->activations;
+    const FfpModelConfig *config = &model->config;
+    const FfpPrepared *prepared = at->head.prepared;
+    const FfpPhotographs *p = prepared ? prepared->photographs : at->photographs;
+    const int numbers = ffp_head_numbers(config), width = FFP_LOOK_SEEN + numbers;
+    const size_t area = (size_t)p->width * (size_t)p->height;
+    real *maps = ffp_arena_take(run->arena, (size_t)p->views * area * FFP_LOOK_NUMBERS, sizeof *maps);
+    const int64_t kept = at->backward ? at->pixels.count : block_count(at, 0);
+    at->seen[round] = ffp_arena_take(run->arena, (size_t)(kept + 1) * (size_t)width, sizeof(real));
+    if (!at->pass) {
+        const FfpRenderSettings render =
+            ffp_render_settings(ffp_model_is_paper_form(config), config->samples);
+        at->pass = ffp_view_pass_new(&render);
+    }
+    ffp_look(maps, at->pass, &run->gaussians, p);
+    const FfpLooked looked = {{p->views, p->width, p->height, p->camera_there, p->frame, maps},
+                              prepared ? prepared->pixel_there : run->pixel,
+                              run->gaussians.centre,
+                              at->pixels.raw,
+                              numbers};
+    for (int64_t first = 0; first < at->pixels.count; first += ffp_head_block()) {
+        const int count = block_count(at, first);
+        real *seen = at->seen[round] + (at->backward ? first * width : 0);
+        ffp_cancel_point();
+        ffp_look_gather(seen, &looked, first, count);
+        ffp_head_correct(at->pixels.raw + first * numbers, &at->head, first, count, at->features, seen, round,
+                         model);
+    }
+}
+
 // From the tokens' inputs and the list of pixels, which exist, to the Gaussians.
 static bool pass_forward(FfpRun *run, const FfpModel *model, const char *name, FfpError *err) {
     FfpActivations *at = run->activations;
@@ -265,7 +307,11 @@ static bool pass_forward(FfpRun *run, const FfpModel *model, const char *name, F
     double last = ffp_seconds();
     at->head.count = at->pixels.count;
     head_forward(at, model);
-    const bool ok = ffp_pixels_splat(&at->pixels, run, &model->config);
+    bool ok = ffp_pixels_splat(&at->pixels, run, &model->config);
+    for (int i = 0; ok && i < model->config.looks; i++) {
+        look(run, model, i);
+        ok = ffp_pixels_splat(&at->pixels, run, &model->config);
+    }
     ffp_lap(&last, &times->heads);
     return ok || ffp_fail(err, FFP_ERROR_FILE, name, "the model's output overflows");
 }
@@ -326,6 +372,8 @@ bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *cap
     at->head.grid = grid;
     at->head.context = start ? &context->start : NULL;
     at->head.pixel = run->pixel;
+    ffp_photographs_free(at->photographs);
+    at->photographs = config->looks ? ffp_photographs_new(capture, source.views, active) : NULL;
     ffp_lap(&last, &forward_times(run)->tokenise);
     return pass_forward(run, model, capture->name, err);
 }

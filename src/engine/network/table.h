@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include "core/base/real.h"
 #include "core/gaussians/gaussians.h"
+#include "engine/network/look.h"
 #include "engine/network/splat_formula.h"
 
 // Which rows of a feature map each Gaussian takes, and the reverse.
@@ -39,6 +40,10 @@ typedef struct FfpNetworkTable {
     // draw [count, numbers] of the Gaussians from `first` on; grad_t may be NULL.
     void (*splat_backward)(real *draw, const FfpPixelBase *base, const real *raw, int64_t first, int count,
                            bool residual, const FfpGaussians *grad, const real *grad_t);
+    // A drawn view beside its photograph: numbers [pixels, FFP_LOOK_NUMBERS].
+    void (*look_compare)(real *numbers, const FfpLookPictures *drawn, const real *colour,
+                         const real *coverage, size_t pixels);
+    void (*look_gather)(real *out, const FfpLooked *looked, int64_t first, int count);
 } FfpNetworkTable;
 
 #endif

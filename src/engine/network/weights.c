@@ -41,6 +41,7 @@ static const Field fields[] = {
     FIELD(samples, WHOLE, "1"),
     FIELD(context_inputs, SWITCH, "false"),
     FIELD(appearance_cnn, SWITCH, "false"),
+    FIELD(looks, WHOLE, "0"),
 };
 enum { FIELDS = sizeof fields / sizeof *fields, OWN_KEYS = FIELDS + 2 };
 

@@ -125,6 +125,9 @@ static const Field model_fields[] = {
      "more inputs of this MLP where the context has fewer pixels than the picture"},
     {"appearance_cnn", BOOL, MODEL_AT(appearance_cnn), 0, 1,
      "two 3 x 3 convolutions over the tokens before albedo, roughness and ambient colour"},
+    {"looks", INT, MODEL_AT(looks), 0, 1e2,
+     "rounds in which the input views are drawn and each pixel's splat is corrected by what is wrong there; "
+     "0 to 4"},
     {"tokens", INT, MODEL_AT(tokens), 1, 1e6,
      "the most for up to 16 views, in proportion for more; larger captures are reduced"},
     {"render", TEXT, MODEL_AT(render), 0, sizeof(((FfpModelConfig *)0)->render),

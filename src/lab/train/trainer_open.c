@@ -36,15 +36,17 @@ static void log_origin(Trainer *trainer, const char *path) {
 }
 
 // The weights to start from, in their own configuration except for fields that do not concern weights, and
-// for context_inputs, whose weights begin at zero if the file has none.
+// for context_inputs and looks, which begin without effect where the file has none.
 static FfpModel *read_initial(const char *path, const FfpTrainConfig *config, FfpError *err) {
     FfpModel *model = ffp_model_read(path, err);
     if (!model) return NULL;
     model->config.samples = config->model.samples;
     model->config.tokens = config->model.tokens;
-    if (model->config.context_inputs || !config->model.context_inputs) return model;
     FfpModelConfig wider = model->config;
-    wider.context_inputs = true;
+    wider.context_inputs = wider.context_inputs || config->model.context_inputs;
+    wider.looks = wider.looks > config->model.looks ? wider.looks : config->model.looks;
+    if (wider.context_inputs == model->config.context_inputs && wider.looks == model->config.looks)
+        return model;
     FfpModel *out = ffp_model_new(&wider, (uint64_t)config->seed, err);
     if (out) {
         ffp_model_take_over(out, model);
