@@ -351,6 +351,7 @@ typedef struct FfpModelForm {
     const char *modules; // one letter per block: M = Mamba2, T = Transformer
     int dim, patch, state, chunk, pixel_features, pixel_hidden;
     bool residual, match_input, pixel_skip, context_inputs, appearance_cnn;
+    int looks; // rounds in which the input views are drawn and the splats corrected
 } FfpModelForm;
 FFP_API FfpModelForm ffp_model_form(const FfpModel *model);
 // The weights by number, from 0 to one less than the count, in the file's order. They are the model's own
@@ -389,7 +390,8 @@ typedef struct FfpPreparedArrays {
 #define FFP_PREPARED_BASE 21
 // Works as ffp_reconstruct does up to the network of `options->model`: noise filter, matching, classical
 // initialisation; `polish`, `layers`, `drawing` are ignored. Errors: as there; a capture of a whole scene, or
-// a model with `appearance_cnn` (FFP_ERROR_UNSUPPORTED).
+// a model with `appearance_cnn` or `looks`
+// (FFP_ERROR_UNSUPPORTED).
 FFP_API FfpPrepared *ffp_prepare(FfpContext *context, const FfpCapture *capture,
                                  const FfpReconstruction *options, FfpError *err);
 FFP_API FfpPreparedArrays ffp_prepared_arrays(const FfpPrepared *prepared);

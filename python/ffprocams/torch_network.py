@@ -184,6 +184,7 @@ class _Form(NamedTuple):
     pixel_skip: bool
     context_inputs: bool
     appearance_cnn: bool
+    looks: int
 
     @classmethod
     def of(cls, model: Model) -> _Form:
@@ -203,8 +204,9 @@ class Network(torch.nn.Module):
         super().__init__()
         self._model = model if isinstance(model, Model) else Model.open(model)
         self.form = _Form.of(self._model)
-        if self.form.appearance_cnn:
-            raise argument_error("appearance_cnn is not part of ffprocams.torch", "model")
+        for field in ("appearance_cnn", "looks"):
+            if getattr(self.form, field):
+                raise argument_error(f"{field} is not part of ffprocams.torch", "model")
         self.names = list(self._model.weights())  #: of the weights, in the file's order
         for name, values in self._model.weights().items():
             self.register_parameter(

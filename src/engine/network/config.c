@@ -32,7 +32,8 @@ bool ffp_model_preset(FfpModelConfig *config, const char *name) {
                                .pixel_skip = ours,
                                .context_inputs = ours,
                                .pixel_features = presets[i].pixel_features,
-                               .pixel_hidden = presets[i].pixel_hidden};
+                               .pixel_hidden = presets[i].pixel_hidden,
+                               .look_hidden = 2 * presets[i].pixel_hidden};
     snprintf(config->name, sizeof config->name, "%s", presets[i].name);
     snprintf(config->modules, sizeof config->modules, "%s", presets[i].modules);
     snprintf(config->render, sizeof config->render, "%s", ours ? "ours" : "paper");
@@ -81,7 +82,8 @@ bool ffp_model_config_check(const FfpModelConfig *config, const char *where, Ffp
         !check_range(config->state, 1, 512, 1, "state", where, err) ||
         !check_range(config->chunk, 1, 1024, 1, "chunk", where, err))
         return false;
-    if (!check_range(config->looks, 0, config->pixel_skip ? FFP_LOOKS_MAX : 0, 1, "looks", where, err))
+    if (!check_range(config->looks, 0, config->pixel_skip ? FFP_LOOKS_MAX : 0, 1, "looks", where, err) ||
+        !check_range(config->look_hidden, config->looks ? 1 : 0, 1024, 1, "look_hidden", where, err))
         return false;
     const int least = config->pixel_skip ? 1 : 0; // without the pixel MLP its widths mean nothing
     return check_range(config->pixel_features, least, 256, 1, "pixel_features", where, err) &&

@@ -1,6 +1,7 @@
 #include "engine/network/head.h"
 #include <string.h>
 #include "core/base/device.h"
+#include "core/base/integer.h"
 #include "core/tensor/tensor.h"
 
 static FfpHeadWidths head_widths(const FfpModelConfig *c) {
@@ -11,7 +12,7 @@ static FfpHeadWidths head_widths(const FfpModelConfig *c) {
                            .features = features,
                            .channels = channels,
                            .gathered = features + channels,
-                           .hidden = c->pixel_hidden,
+                           .hidden = ffp_larger(c->pixel_hidden, c->looks ? c->look_hidden : 0),
                            .numbers = numbers};
 }
 

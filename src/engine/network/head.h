@@ -17,7 +17,7 @@ typedef struct FfpHeadWidths {
     int dim, pixels;        // of a token; pixels of its patch
     int features, channels; // that a pixel takes from the map; its own inputs, 0 without pixel_skip
     int gathered;           // both
-    int hidden, numbers;    // of the pixel's layers; raw
+    int hidden, numbers;    // the most of a pixel's layers; raw
 } FfpHeadWidths;
 
 typedef struct FfpHead {

@@ -13,6 +13,7 @@
 
 // All fields are offsets. parameters.c gives their shapes.
 typedef struct FfpPixelLayout { // of layers that each pixel passes through separately
+    int width;                  // hidden units
     int64_t hidden[FFP_HIDDEN_LAYERS], hidden_bias[FFP_HIDDEN_LAYERS], last, last_bias;
     int64_t more; // of the first hidden layer: of the context's inputs, or of what a look shows; 0: none
 } FfpPixelLayout;

@@ -17,16 +17,17 @@ enum {
     FFP_LOOK_ACTIVE = 12,  // and under the active pattern
     FFP_LOOK_NUMBERS = 13, // of a pixel
     FFP_LOOK_SLOPES = 8,
-    // Of a splat, in this order: errors of its pixel, their means over 3 x 3 and 7 x 7 pixels; how far its
-    // centre lies behind what is drawn, and whether anything is; slopes of the photographs (white x, y,
-    // active x, y) and these times the error; errors in other views, share of the views that see it, how far
-    // it lies behind what they draw; and its raw numbers, FFP_PLAIN_NUMBERS or FFP_RESIDUAL_NUMBERS.
-    FFP_LOOK_SEEN = 3 * FFP_LOOK_ERRORS + 2 + FFP_LOOK_SLOPES + FFP_LOOK_ERRORS + 2
+    FFP_LOOK_NEIGHBOURS = 24, // eight pixels around: errors of brightness under white and active, of coverage
+    // Of a splat, in this order: errors of its pixel, their means over 3 x 3 and 7 x 7 pixels; neighbours;
+    // how far its centre lies behind what is drawn, and whether anything is; slopes of the photographs (white
+    // x, y, active x, y) and these times the error; errors in other views, share of the views that see it,
+    // how far it lies behind what they draw; and its raw numbers, FFP_PLAIN_NUMBERS or FFP_RESIDUAL_NUMBERS.
+    FFP_LOOK_SEEN = 3 * FFP_LOOK_ERRORS + FFP_LOOK_NEIGHBOURS + 2 + FFP_LOOK_SLOPES + FFP_LOOK_ERRORS + 2
 };
 #define FFP_LOOK_REACH 4.0F   // footprints: differences of depth beyond count as this
 #define FFP_LOOK_HIDDEN 3.0F  // footprints behind what a view draws: that view does not see it
 #define FFP_LOOK_SURFACE 0.5F // least opacity of what counts as drawn
-#define FFP_LOOK_GAIN 16.0F // errors of a few hundredths to the size of the other inputs
+#define FFP_LOOK_GAIN 16.0F   // errors of a few hundredths to the size of the other inputs
 #define FFP_LOOK_SLOPE_GAIN 4.0F
 
 typedef struct FfpLookMaps { // of all views
@@ -74,6 +75,16 @@ FFP_FORMULA void ffp_look_mean(real *out, const FfpLookMaps *m, int view, int x,
         }
     const int side = 2 * reach + 1;
     for (int k = 0; k < FFP_LOOK_ERRORS; k++) out[k] /= side * side;
+}
+
+FFP_FORMULA void ffp_look_neighbours(real *out, const FfpLookMaps *m, int view, int x, int y) {
+    for (int i = 0; i < 9; i++) {
+        if (i == 4) continue;
+        const real *at = ffp_look_at(m, view, x + i % 3 - 1, y + i / 3 - 1);
+        *out++ = ffp_look_brightness(at + 3);
+        *out++ = ffp_look_brightness(at + 6);
+        *out++ = at[FFP_LOOK_COLOURS];
+    }
 }
 
 // How far z lies behind what is drawn, in [-1,1]; 0 where nothing is.
@@ -142,6 +153,8 @@ FFP_FORMULA void ffp_look_inputs(real *out, const FfpLookMaps *m, int64_t pixel,
     ffp_look_mean(out + FFP_LOOK_ERRORS, m, view, x, y, 1);
     ffp_look_mean(out + 2 * FFP_LOOK_ERRORS, m, view, x, y, 3);
     out += 3 * FFP_LOOK_ERRORS;
+    ffp_look_neighbours(out, m, view, x, y);
+    out += FFP_LOOK_NEIGHBOURS;
     int ignored[2];
     const real z = ffp_look_project(m, view, centre, ignored, ignored + 1);
     out[0] = ffp_look_behind(z, own[FFP_LOOK_DEPTH], fmax(z, (real)0.01F) / m->camera[view].fx);

@@ -31,6 +31,7 @@ typedef struct FfpModelConfig {
     bool appearance_cnn; // two 3x3 convolutions over the tokens before albedo, roughness and ambient: the
                          // paper's ablation
     int looks;           // rounds in which the input views are drawn and the splats corrected (look.h)
+    int look_hidden;     // hidden units of the layers that correct them
     char render[16];     // "ours" or "paper": the form in which the Gaussians are to be drawn,
     int samples;         // and the samples per side of a pixel
 } FfpModelConfig;

@@ -92,20 +92,20 @@ static void add_mixer(FfpModel *model, FfpLayout *at) {
 }
 
 // Layers from a token's features and a pixel's own inputs, and `more` numbers (NULL: none), to the raw ones.
-static void add_pixel_layers(FfpModel *model, FfpPixelLayout *at, const char *name, const char *more,
-                             int columns, FfpInit init) {
+static void add_pixel_layers(FfpModel *model, FfpPixelLayout *at, const char *name, int width,
+                             const char *more, int columns, FfpInit init) {
     const FfpModelConfig *c = &model->config;
     int in = c->pixel_features + ffp_input_channels(c);
     char prefix[32];
+    at->width = width;
     for (int i = 0; i < FFP_HIDDEN_LAYERS; i++) {
         snprintf(prefix, sizeof prefix, "%s.hidden.%d.", name, i);
-        at->hidden[i] =
-            add(model, prefix, "weight", c->pixel_hidden, in, FFP_INIT_NORMAL, 1 / sqrt((double)in));
-        at->hidden_bias[i] = add(model, prefix, "bias", c->pixel_hidden, 0, FFP_INIT_ZERO, 0);
-        in = c->pixel_hidden;
+        at->hidden[i] = add(model, prefix, "weight", width, in, FFP_INIT_NORMAL, 1 / sqrt((double)in));
+        at->hidden_bias[i] = add(model, prefix, "bias", width, 0, FFP_INIT_ZERO, 0);
+        in = width;
     }
     snprintf(prefix, sizeof prefix, "%s.", name);
-    if (more) at->more = add(model, prefix, more, c->pixel_hidden, columns, init, 1 / sqrt((double)columns));
+    if (more) at->more = add(model, prefix, more, width, columns, init, 1 / sqrt((double)columns));
     snprintf(prefix, sizeof prefix, "%s.last.", name);
     at->last = add(model, prefix, "weight", ffp_head_numbers(c), in, FFP_INIT_ZERO, 0);
     at->last_bias = add(model, prefix, "bias", ffp_head_numbers(c), 0, FFP_INIT_ZERO, 0);
@@ -125,12 +125,13 @@ static void add_head(FfpModel *model, FfpLayout *at) {
     }
     at->features = add(model, "pixel.", "features", pixels * c->pixel_features, c->dim, FFP_INIT_NORMAL,
                        1 / sqrt((double)c->dim));
-    add_pixel_layers(model, &at->pixel, "pixel", c->context_inputs ? "context" : NULL, FFP_CONTEXT_CHANNELS,
-                     FFP_INIT_ZERO);
+    add_pixel_layers(model, &at->pixel, "pixel", c->pixel_hidden, c->context_inputs ? "context" : NULL,
+                     FFP_CONTEXT_CHANNELS, FFP_INIT_ZERO);
     for (int i = 0; i < c->looks; i++) {
         char name[16];
         snprintf(name, sizeof name, "look.%d", i);
-        add_pixel_layers(model, &at->look[i], name, "errors", FFP_LOOK_SEEN + numbers, FFP_INIT_NORMAL);
+        add_pixel_layers(model, &at->look[i], name, c->look_hidden, "errors", FFP_LOOK_SEEN + numbers,
+                         FFP_INIT_NORMAL);
     }
 }
 

@@ -70,7 +70,7 @@ static void add_more(real *hidden, const FfpPixelLayers *layers, const real *wei
 static void hidden_forward(FfpHead *head, const FfpPixelLayers *layers, int count, const FfpModel *model) {
     const FfpPixelLayout *at = layers->at;
     const real *x = head->gathered;
-    const int width = head->widths.hidden;
+    const int width = at->width;
     int in = head->widths.gathered;
     for (int i = 0; i < FFP_HIDDEN_LAYERS; i++) {
         ffp_linear_forward(head->hidden[i], x, model->values + at->hidden[i],
@@ -87,7 +87,7 @@ void ffp_pixel_layers_forward(real *numbers, FfpHead *head, const FfpPixelLayers
     const FfpPixelLayout *at = layers->at;
     hidden_forward(head, layers, count, model);
     ffp_linear_forward(numbers, head->activated[FFP_HIDDEN_LAYERS - 1], model->values + at->last,
-                       model->values + at->last_bias, count, head->widths.hidden, head->widths.numbers);
+                       model->values + at->last_bias, count, at->width, head->widths.numbers);
 }
 
 void ffp_pixel_layers_backward(real *dfeatures, real *grad, FfpHead *head, const FfpPixelLayers *layers,
@@ -95,21 +95,21 @@ void ffp_pixel_layers_backward(real *dfeatures, real *grad, FfpHead *head, const
     const FfpHeadWidths *w = &head->widths;
     const FfpPixelLayout *at = layers->at;
     const real *values = model->values;
-    const int top = FFP_HIDDEN_LAYERS - 1;
+    const int top = FFP_HIDDEN_LAYERS - 1, width = at->width;
     hidden_forward(head, layers, count, model);
     ffp_linear_backward(head->dactivated, grad + at->last, grad + at->last_bias, draw, head->activated[top],
-                        values + at->last, count, w->hidden, w->numbers);
+                        values + at->last, count, width, w->numbers);
     for (int i = top; i >= 0; i--) {
-        ffp_gelu_backward(head->dhidden, head->dactivated, head->hidden[i], (size_t)count * w->hidden);
+        ffp_gelu_backward(head->dhidden, head->dactivated, head->hidden[i], (size_t)count * width);
         ffp_linear_backward(i ? head->dactivated : NULL, grad + at->hidden[i], grad + at->hidden_bias[i],
                             head->dhidden, i ? head->activated[i - 1] : head->gathered,
-                            values + at->hidden[i], count, i ? w->hidden : w->gathered, w->hidden);
+                            values + at->hidden[i], count, i ? width : w->gathered, width);
     }
-    const FfpFactor dhidden = ffp_factor(head->dhidden, count, w->hidden, w->hidden);
+    const FfpFactor dhidden = ffp_factor(head->dhidden, count, width, width);
     if (layers->more)
         ffp_gemm(1, ffp_transposed(dhidden),
                  ffp_factor(layers->more, count, layers->columns, layers->columns), 1, grad + at->more,
                  layers->columns);
-    ffp_gemm_mixed(1, dhidden, ffp_factor(values + at->hidden[0], w->hidden, w->features, w->gathered), 1,
+    ffp_gemm_mixed(1, dhidden, ffp_factor(values + at->hidden[0], width, w->features, w->gathered), 1,
                    dfeatures, w->features);
 }

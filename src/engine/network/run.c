@@ -76,7 +76,7 @@ static bool same_layout(const FfpModelConfig *a, const FfpModelConfig *b) {
            a->state == b->state && a->chunk == b->chunk && a->residual == b->residual &&
            a->match_input == b->match_input && a->pixel_skip == b->pixel_skip &&
            a->pixel_features == b->pixel_features && a->pixel_hidden == b->pixel_hidden &&
-           a->appearance_cnn == b->appearance_cnn && a->looks == b->looks;
+           a->appearance_cnn == b->appearance_cnn && a->looks == b->looks && a->look_hidden == b->look_hidden;
 }
 
 static real *take(FfpActivations *at, size_t columns) {

@@ -42,6 +42,7 @@ static const Field fields[] = {
     FIELD(context_inputs, SWITCH, "false"),
     FIELD(appearance_cnn, SWITCH, "false"),
     FIELD(looks, WHOLE, "0"),
+    FIELD(look_hidden, WHOLE, "0"),
 };
 enum { FIELDS = sizeof fields / sizeof *fields, OWN_KEYS = FIELDS + 2 };
 

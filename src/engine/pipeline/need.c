@@ -16,6 +16,7 @@
 #define STAGED 130.0      // of a camera's pixel, for compensation
 #define SEEN 150.0        // of a projector's pixel, for maps of it
 #define PROJECTED 60.0    // of a projector's pixel, for compensation
+#define LOOK (23 * REAL)  // of a pixel: what a look compares (engine/network/look_formula.h)
 #define SUMMED 24.0       // of a pattern's pixel, with a margin
 #define PULLED 155.0      // of a splat's gradients in its tiles
 
@@ -98,7 +99,7 @@ static double draw_bytes(const FfpProblemSize *s, int samples) {
 
 // Of the context: inputs, activations of the blocks, features of its pixels, and where it is a capture of its
 // own, that and its matching. Of the splats: what the heads start from, raw numbers, result and its copy.
-// Then both predictions are drawn.
+// A look takes photographs and errors of all views, and the splats again. Then both predictions are drawn.
 static double network_bytes(const FfpProblemSize *s) {
     const FfpModelConfig *c = s->network;
     if (!c) return 0;
@@ -107,8 +108,10 @@ static double network_bytes(const FfpProblemSize *s) {
     const double inputs = patch * ((c->match_input ? 30 : 15) + c->pixel_features);
     const double blocks = 36.0 * c->dim; // all blocks of a kind work in the same memory
     const double context = own > tokens ? match_bytes(s, tokens * patch) + more_bytes(s, tokens * patch) : 0;
+    const double looks =
+        c->looks ? LOOK * pixels_of(s) + draw_bytes(s, c->samples) + SPLAT * splats_of(s) : 0;
     const double forward =
-        REAL * tokens * (inputs + blocks) + context + (4 * SPLAT + 6 * REAL) * splats_of(s);
+        REAL * tokens * (inputs + blocks) + context + (4 * SPLAT + 6 * REAL) * splats_of(s) + looks;
     return fmax(forward, SPLAT * splats_of(s) + photograph_bytes(s) + draw_bytes(s, 1) +
                              SUMMED * s->photographs * s->pattern);
 }

@@ -128,6 +128,7 @@ static const Field model_fields[] = {
     {"looks", INT, MODEL_AT(looks), 0, 1e2,
      "rounds in which the input views are drawn and each pixel's splat is corrected by what is wrong there; "
      "0 to 4"},
+    {"look_hidden", INT, MODEL_AT(look_hidden), 0, 1e4, "hidden units of the MLP that corrects"},
     {"tokens", INT, MODEL_AT(tokens), 1, 1e6,
      "the most for up to 16 views, in proportion for more; larger captures are reduced"},
     {"render", TEXT, MODEL_AT(render), 0, sizeof(((FfpModelConfig *)0)->render),

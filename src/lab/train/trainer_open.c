@@ -45,6 +45,7 @@ static FfpModel *read_initial(const char *path, const FfpTrainConfig *config, Ff
     FfpModelConfig wider = model->config;
     wider.context_inputs = wider.context_inputs || config->model.context_inputs;
     wider.looks = wider.looks > config->model.looks ? wider.looks : config->model.looks;
+    if (wider.looks > model->config.looks) wider.look_hidden = config->model.look_hidden;
     if (wider.context_inputs == model->config.context_inputs && wider.looks == model->config.looks)
         return model;
     FfpModel *out = ffp_model_new(&wider, (uint64_t)config->seed, err);

@@ -24,7 +24,8 @@ FfpModelForm ffp_model_form(const FfpModel *model) {
                           .match_input = c->match_input,
                           .pixel_skip = c->pixel_skip,
                           .context_inputs = c->context_inputs,
-                          .appearance_cnn = c->appearance_cnn};
+                          .appearance_cnn = c->appearance_cnn,
+                          .looks = c->looks};
 }
 
 int ffp_model_weights_count(const FfpModel *model) {
@@ -78,6 +79,11 @@ FfpPrepared *ffp_prepare(FfpContext *context, const FfpCapture *capture, const F
     if (!ffp_need_photographs(capture, err) || !ffp_need(options, "options", err) ||
         !ffp_need(options->model, "options.model", err))
         return NULL;
+    if (options->model->config.looks) {
+        ffp_fail(err, FFP_ERROR_UNSUPPORTED, "looks",
+                 "this model draws what it predicts, inside the library alone");
+        return NULL;
+    }
     return ffp_call_run(context, prepare, &call, err) ? call.prepared : NULL;
 }
 

@@ -26,6 +26,9 @@ static bool print_model(FILE *out, const char *path, FfpError *err) {
             config->pixel_skip ? config->context_inputs ? ", pixel skip with context" : ", pixel skip" : "",
             config->appearance_cnn ? ", convolutional appearance" : "", config->render, config->samples,
             config->samples);
+    if (config->looks)
+        fprintf(out, "looks        %d, %d hidden units: input views are drawn and splats corrected\n",
+                config->looks, config->look_hidden);
     fprintf(out, "parameters   %" PRId64 " in %d tensors\n", model->count, model->n_parameters);
     for (int i = 0; i < model->metadata_count; i++) {
         ffp_put_plain(out, model->metadata[2 * i]);

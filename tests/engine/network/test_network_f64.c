@@ -148,6 +148,7 @@ static void test_look(void **state) {
     for (int residual = 0; residual < 2; residual++) {
         FfpModelConfig config = small_config("M", 64, residual, residual, true);
         config.looks = 1;
+        config.look_hidden = 9;
         check_config(&config);
     }
 }
