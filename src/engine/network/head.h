@@ -63,7 +63,7 @@ void ffp_head_features_backward(real *dtokens, real *grad, FfpHead *head, const 
 // raw [count, numbers] of `count` <= ffp_head_block() Gaussians from `first` on.
 void ffp_head_forward(real *raw, FfpHead *head, int64_t first, int count, const real *map,
                       const FfpModel *model);
-// ADDS the correction of a look, of which the Gaussians are told `seen` (look.h).
+// ADDS the correction of a look, which follows from `seen` (look.h).
 void ffp_head_correct(real *raw, FfpHead *head, int64_t first, int count, const real *map, const real *seen,
                       int look, const FfpModel *model);
 // ADDS to dmap and to the parameter gradients; seen: of each look. Recomputes the forward pass: cheaper than

@@ -1,6 +1,6 @@
-// Looking again: the input views are drawn with the splats as they are, and each splat is told what is wrong
-// there (as ReSplat, Xu et al. 2025, and G3R, Chen et al. 2024, do with features and gradients). Gradients
-// take what it is told as given.
+// Looking again: the input views are drawn with the splats as they are, and each splat is corrected by the
+// errors at its place (as in ReSplat, Xu et al. 2025, and G3R, Chen et al. 2024). No gradient passes through
+// what was drawn.
 #ifndef FFP_NETWORK_LOOK_H
 #define FFP_NETWORK_LOOK_H
 
@@ -31,7 +31,7 @@ void ffp_photographs_free(
 void ffp_look(real *numbers, FfpViewPass *pass, const FfpGaussians *gaussians,
               const FfpPhotographs *photographs);
 
-// What the Gaussians are told of.
+// The Gaussians, and the maps in which their errors are looked up.
 typedef struct FfpLooked {
     FfpLookMaps maps;
     const int64_t *pixel; // [Gaussians] (view * height + y) * width + x

@@ -39,11 +39,11 @@ typedef struct FfpActivations {
     FfpPixels pixels;
     FfpPhotographs *photographs; // with looks, on the CPU; on a device they are in head.prepared
     FfpViewPass *pass;           // with looks
-    real *seen[FFP_LOOKS_MAX]; // what the Gaussians were told at each look: of all, or of one block where no
-                               // backward pass follows
-    FfpPixelContext context;   // where the caller gave none
-    FfpPrepared *prepared;     // on a device, of captures that the caller did not prepare
-    FfpProfileTimes unread;    // where the times go when nobody asks
+    real *seen[FFP_LOOKS_MAX];   // inputs of each look: of all Gaussians, or of one block where no
+                                 // backward pass follows
+    FfpPixelContext context;     // where the caller gave none
+    FfpPrepared *prepared;       // on a device, of captures that the caller did not prepare
+    FfpProfileTimes unread;      // where the times go when nobody asks
 } FfpActivations;
 
 FfpRun *ffp_run_new(bool backward) {
