@@ -82,6 +82,14 @@ if(FFP_PYTHON)
   add_test(NAME words COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/script/test-words)
 endif()
 
+# script/gpu-run on the emulation: the program whose --device cuda it is, and the script's slices, tiny.
+if(TARGET ffp_cuda AND NOT FFPROCAMS_CUDA AND CMOCKA_FOUND AND TARGET ffprocams_embree AND FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
+  add_executable(ffprocams_emulated ${cli_sources} src/product/api/context.c) # context.c in the place of the archive's
+  target_compile_definitions(ffprocams_emulated PRIVATE FFP_WITH_CUDA)
+  target_link_libraries(ffprocams_emulated PRIVATE ffp_api ffp_cuda PkgConfig::JANSSON)
+  add_test(NAME gpu_run COMMAND ${PROJECT_SOURCE_DIR}/script/gpu-run rehearse ${PROJECT_BINARY_DIR})
+endif()
+
 # The page of `ffprocams view` in a headless Chromium; without one (or without Python) it is skipped.
 if(FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
   add_test(NAME view_page COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/view/test_view.py $<TARGET_FILE:ffprocams>
@@ -135,6 +143,7 @@ ffp_label(unit headers house links words)
 ffp_label(cli example_reconstruct example_roles example_relight example_progress example_cancel)
 ffp_label("cli;slow" readme simulated_rig studio_server training_rooms)
 ffp_label("browser;slow" view_page studio_page)
+ffp_label("gpu;slow" gpu_run)
 ffp_label("install;slow" install)
 
 get_property(tests DIRECTORY PROPERTY TESTS)
