@@ -58,7 +58,7 @@ static Place place_of(const Bench *bench, int view) {
     return place;
 }
 
-// What the camera sees under one projector's pattern, encoded.
+// The camera's picture under one projector's pattern, encoded.
 static FfpImage judge_one(const Bench *bench, int view, const FfpImage *pattern) {
     FfpCapture seen = bench->normalised;
     FfpPattern ours = {.image = *pattern};
@@ -72,7 +72,7 @@ static FfpImage judge_one(const Bench *bench, int view, const FfpImage *pattern)
     return picture;
 }
 
-// What the camera sees under the projectors' patterns [place->count].
+// The camera's picture under the projectors' patterns [place->count].
 static FfpImage judge(const Bench *bench, const Place *place, const FfpImage *patterns) {
     FfpImage picture = judge_one(bench, place->view[0], &patterns[0]);
     for (int k = 1; k < place->count; k++) {

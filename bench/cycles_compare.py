@@ -132,7 +132,7 @@ def inside(mask):
 
 
 def specular_share(view, capture, normal, depth):
-    """What our light model's gloss, which Cycles' matt surface has not, adds to its Lambert term (docs/design/architecture.md)."""
+    """The gloss that our light model adds to its Lambert term, and that Cycles' matt surface lacks (docs/design/architecture.md)."""
     camera, c2w, p2w = capture['camera'], np.array(view['c2w']), np.array(view['p2w'])
     y, x = np.mgrid[0:camera['height'], 0:camera['width']] + 0.5
     ray = np.stack([(x - camera['cx']) / camera['fx'], (y - camera['cy']) / camera['fy'], np.ones_like(x)], -1) @ c2w[:3, :3].T

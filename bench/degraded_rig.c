@@ -17,7 +17,7 @@
 #define OFF_CENTRE 200 // pixels that the projector's panel is wider to the left of the light
 #define VIEWS 8
 
-// What is wrong with a rig, and what the user does about it.
+// Faults of a rig, and the user's remedies.
 enum {
     NOISE = 1,
     DEFOCUS = 2,

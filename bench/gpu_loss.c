@@ -1,4 +1,4 @@
-// What the losses cost on the GPU: values and gradients of pictures and maps of 128x128 and 256x256. With an
+// Times of the losses on the GPU: values and gradients of pictures and maps of 128x128 and 256x256. With an
 // argument, or on the emulation, of tiny ones.
 #include <stdio.h>
 #include <stdlib.h>

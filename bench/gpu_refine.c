@@ -1,5 +1,5 @@
-// What the polish costs on the GPU: its own kernels, and whole steps, at training's sizes. With an argument,
-// or on the emulation, at tiny ones.
+// Times of the polish on the GPU: its own kernels, and whole steps, at training's sizes. With an argument, or
+// on the emulation, at tiny ones.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-// What drawing costs on the GPU: the functions of the render room's table, whole views and a training step's
+// Times of drawing on the GPU: the functions of the render room's table, whole views and a training step's
 // views, at training's sizes. With an argument, or on the emulation, at tiny ones.
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-// What the GPU's users wait for: a forward pass with one relit view, and a training step, for any preset.
+// Times that a GPU's users wait: a forward pass with one relit view, and a training step, for any preset.
 // usage: gpu_steps PRESET [VIEWS RESOLUTION [PERCEPTUAL]]
 #include "bench/gpu_timing.h"
 #include "core/base/call.h"

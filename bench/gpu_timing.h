@@ -16,7 +16,7 @@ static inline int gpu_ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-// Whether the device is the emulation, where only tiny sizes make sense.
+// True if the device is the emulation, where only tiny sizes make sense.
 static inline bool gpu_emulated(void) {
     return strstr(ffp_cuda_describe(), "emulated") != NULL;
 }

@@ -1,7 +1,7 @@
-// What limits a reconstruction, before and after the fit: the generator's truth is put in for one part of it
-// at a time, into the splats or into the maps drawn from them, and the pictures are scored again; and what a
-// network would have to predict to do without the fit: one attribute at a time as the fit leaves it. Prints a
-// table in Markdown: dB of the first row, gains of the others.
+// The limits of a reconstruction, before and after the fit: the generator's truth is put in for one part of
+// it at a time, into the splats or into the maps drawn from them, and the pictures are scored again; and what
+// a network would have to predict to do without the fit: one attribute at a time as the fit leaves it. Prints
+// a table in Markdown: dB of the first row, gains of the others.
 //   limits [MODEL.safetensors|none] [SCENES] [FIRST]
 #include <stdio.h>
 #include <stdlib.h>

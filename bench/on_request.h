@@ -1,5 +1,5 @@
-// What benches that take turns with other programs share (bench/peers): work that is done and timed once for
-// every line that is read.
+// Common code of benches that take turns with other programs (bench/peers): work that is done and timed once
+// for every line that is read.
 #ifndef FFP_BENCH_ON_REQUEST_H
 #define FFP_BENCH_ON_REQUEST_H
 

@@ -60,7 +60,7 @@ def save_sheet(out, rows, side, band=18, resample=Image.BICUBIC):
 
 
 def predicted(program, capture, options):
-    """What `evaluate` draws at the new pose."""
+    """The picture that `evaluate` draws at the new pose."""
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([program, "evaluate", capture, "--targets", "targets/scene.json", *options, "--save", folder], check=True,
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -422,7 +422,7 @@ static bool check(void *capture, FfpError *err) {
     return true; // what was found outlives the call
 }
 
-// Whether nothing was refused; `said`, `items` and `count` have what was found.
+// True if nothing was refused; `said`, `items` and `count` have what was found.
 static bool look(FfpContext *context, FfpCapture *capture, Moment *took) {
     FfpError err = {0};
     ffp_free(items), items = NULL, count = 0;

@@ -234,7 +234,7 @@ def missing_and_surplus(true, made):
 
 
 def lost_by(fault, here, angles, db, sound):
-    """What the table says of `db`; `sound`: that without a fault."""
+    """The table's cell for `db`; `sound`: that without a fault."""
     if db is None:
         return "reconstruct refuses"
     if fault in RENDERED:

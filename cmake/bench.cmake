@@ -18,7 +18,7 @@ if(TARGET ffp_synth)
   target_link_libraries(contact_sheets PRIVATE ffp_synth)
 endif()
 
-# What limits a reconstruction, by putting the truth in.
+# The limits of a reconstruction, found by putting the truth in.
 if(TARGET ffp_train)
   add_executable(limits EXCLUDE_FROM_ALL bench/limits.c)
   target_link_libraries(limits PRIVATE ffp_train)
@@ -38,13 +38,13 @@ if(TARGET ffp_bench)
   target_link_libraries(kernel_counts PRIVATE ffp_bench)
 endif()
 
-# What a compensated projection gains on captures with true depth.
+# The gain of a compensated projection on captures with true depth.
 if(TARGET ffp_apply)
   add_executable(compensate_report EXCLUDE_FROM_ALL bench/compensate_report.c)
   target_link_libraries(compensate_report PRIVATE ffp_api ffp_apply)
 endif()
 
-# What a rig's faults cost, from photographs through import to the pictures predicted.
+# The cost of a rig's faults, from photographs through import to the pictures predicted.
 if(TARGET ffp_api AND TARGET ffp_synth)
   add_executable(degraded_rig EXCLUDE_FROM_ALL bench/degraded_rig.c)
   target_link_libraries(degraded_rig PRIVATE ffp_api ffp_synth)

@@ -27,7 +27,7 @@ install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT ru
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)
 
-# What links the archive: modules of pkg-config (Requires.private) and plain libraries (Libs.private).
+# Libraries for linking the archive: modules of pkg-config (Requires.private) and plain libraries (Libs.private).
 set(FFP_REQUIRES "")
 set(FFP_FIND "")
 foreach(entry ${FFP_PACKAGES})

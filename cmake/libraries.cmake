@@ -1,8 +1,8 @@
 # The libraries of others.
 find_package(PkgConfig REQUIRED)
 find_package(OpenMP REQUIRED C)
-# What the library stands on, as NAME:MODULE of pkg-config. Whoever links libffprocams.a needs them too
-# (cmake/install.cmake). What modules stand on is modules.cmake's affair; libtiff, Little CMS and Zstandard are always needed.
+# The library's own dependencies, as NAME:MODULE of pkg-config. Whoever links libffprocams.a needs them too
+# (cmake/install.cmake). Those of modules are in modules.cmake; libtiff, Little CMS and Zstandard are always needed.
 set(FFP_PACKAGES PNG:libpng ZLIB:zlib JPEG:libjpeg OPENEXR:OpenEXR JANSSON:jansson YAML:yaml-0.1 EXPAT:expat OPENBLAS:openblas)
 foreach(entry ${FFP_PACKAGES})
   string(REPLACE ":" ";" entry ${entry})

@@ -31,7 +31,7 @@ else()
   target_link_options(ffprocams_shared PRIVATE LINKER:--no-undefined)
 endif()
 
-# What an outer project links; the name is that of the installed package.
+# The target that an outer project links; the name is that of the installed package.
 if(DEFINED BUILD_SHARED_LIBS AND NOT BUILD_SHARED_LIBS)
   add_library(ffprocams::ffprocams ALIAS ffprocams_static)
 else()

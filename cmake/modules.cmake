@@ -1,4 +1,4 @@
-# What stands on large libraries of others goes into modules, which the library loads when a call first asks for one
+# Code that needs large third-party libraries goes into modules, which the library loads when a call first asks for one
 # (src/core/base/module.h): libffprocams-NAME.so of SOURCE, loaded by ROOM, linking the rest. In a build folder they lie
 # beside the library.
 function(ffp_module name room source)

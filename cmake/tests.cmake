@@ -75,7 +75,7 @@ if(NOT FFPROCAMS_SANITIZE)
   add_test(NAME readme COMMAND ${PROJECT_SOURCE_DIR}/tests/product/cli/readme.sh $<TARGET_FILE:ffprocams> $<TARGET_FILE:ffprocams_shared>)
 endif()
 
-# What the documents say: links that exist, plain English.
+# The documents: links that exist, plain English.
 find_program(FFP_PYTHON python3)
 if(FFP_PYTHON)
   add_test(NAME links COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/script/test-links)

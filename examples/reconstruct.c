@@ -1,7 +1,7 @@
 // reconstruct CAPTURE FILE.ply: from pixels in memory to relightable Gaussians in a file.
 //
 // The pixels are taken from a capture folder here, so that the example has something to show; a program of
-// yours would take them from its cameras. What counts is fill(): numbers and pointers, no files.
+// yours would take them from its cameras. The important part is fill(): numbers and pointers, no files.
 #include <stdio.h>
 #include <stdlib.h>
 #include "ffprocams.h"

@@ -317,8 +317,8 @@ typedef struct FfpRenderBatch {
     bool gradients; // ffp_renderer_backward may follow: what it needs is kept
 } FfpRenderBatch;
 // Draws pictures [n_views,n_patterns,height,width,3] (NULL without patterns) and, where not NULL, maps
-// [n_views,height,width,channels], indexed by FfpMap (`maps` NULL: none), F32. What ffp_renderer_aim was
-// aimed at is unaffected. If the call fails, the contents of pictures and maps are undefined.
+// [n_views,height,width,channels], indexed by FfpMap (`maps` NULL: none), F32. The view of ffp_renderer_aim
+// is unaffected. If the call fails, the contents of pictures and maps are undefined.
 FFP_API bool ffp_renderer_forward(FfpContext *context, FfpRenderer *renderer, const FfpRenderBatch *batch,
                                   float *pictures, float *const *maps, FfpError *err);
 
@@ -363,12 +363,12 @@ typedef struct FfpWeights {
 } FfpWeights;
 FFP_API int ffp_model_weights_count(const FfpModel *model);
 FFP_API FfpWeights ffp_model_weights(FfpModel *model, int number); // all 0: no such number
-// Writes safetensors that ffp_model_open reads; `exact`: matrices in F32, not in bf16. What the file said of
+// Writes safetensors that ffp_model_open reads; `exact`: matrices in F32, not in bf16. The file's record of
 // its training is kept.
 FFP_API bool ffp_model_save(FfpContext *context, const FfpModel *model, const char *path, bool exact,
                             FfpError *err);
 
-// What the network sees of a capture. All arrays are the handle's.
+// The network's inputs, made from a capture. All arrays are the handle's.
 typedef struct FfpPrepared FfpPrepared;
 typedef struct FfpPreparedArrays {
     int tokens, token_width; // token_width: a patch's pixels times `channels` of the inputs
@@ -423,7 +423,7 @@ typedef enum FfpFraming {
     FFP_FRAMING_PIXEL
 } FfpFraming;
 
-// What makes one full turn around the object's centre: the camera, the projector, or the object itself (both
+// Makes one full turn around the object's centre: the camera, the projector, or the object itself (both
 // devices turning the other way).
 typedef enum FfpOrbit { FFP_ORBIT_NONE, FFP_ORBIT_CAMERA, FFP_ORBIT_PROJECTOR, FFP_ORBIT_OBJECT } FfpOrbit;
 
@@ -461,7 +461,7 @@ FFP_API FfpPictures ffp_pictures_defaults(void); // all views under white, 15 fr
 // Renders views under patterns to 8-bit sRGB files over black, rasterising each view once for all patterns.
 // Two pictures with the same file name are an error, reported before rendering; only frames may repeat a
 // view. `capture` may be NULL if `poses` names a file: views, projector size, intensity and patterns then
-// come from that file, whose photographs need not exist. What it lacks is taken from the options: the
+// come from that file, whose photographs need not exist. Missing values are taken from the options: the
 // intensity, and the size of the first pattern that is an image file. Returns the number of pictures written,
 // or -1, in which case there is no video, and a file INCOMPLETE in the folder says that pictures are missing.
 FFP_API int ffp_render_pictures(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,

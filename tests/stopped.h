@@ -21,7 +21,7 @@ static inline bool hold_off_and_work(void *argument, FfpError *err) {
     return stopped->work(stopped->argument, err);
 }
 
-// What ffp_call_run returns for `work` in such a call.
+// The result of ffp_call_run for `work` in such a call.
 static inline bool run_stopped(bool (*work)(void *argument, FfpError *err), void *argument, FfpError *err) {
     FfpContext context = {.settings = {.progress = stop_at_once}};
     return ffp_call_run(&context, hold_off_and_work, &(Stopped){work, argument}, err);

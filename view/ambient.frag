@@ -1,7 +1,7 @@
 // A pixel's light under dark projectors, with the covered share of the pixel as alpha: means over the samples.
 uniform sampler2D u_g2, u_g3;
 uniform int u_side;
-uniform float u_ambient; // 0 or 1: whether the ambient light is on
+uniform float u_ambient; // 1 if the ambient light is on, otherwise 0
 layout(location = 0) out vec4 o_mean;
 
 void main() {

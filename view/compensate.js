@@ -9,7 +9,7 @@ const COARSE = 4;                          // pixels of the pattern a side for o
 const TARGET_MAX = 2048, SEEN_SIDE = 1024; // longer sides, pixels: of the target, of the map of what the camera sees
 const HOLE_MAX = 64;                       // pixels of the pattern over which others lend their levels
 
-// What a projector's pixels light, and where one camera sees it. Kept while neither moves.
+// The points that a projector's pixels light, and where one camera sees them. Kept while neither moves.
 class CorrectionMaps {
   constructor(renderer) { this.renderer = renderer; }
 

@@ -1,5 +1,5 @@
 'use strict';
-// What a projector shows: pictures, films, the webcam, text, test patterns. Each has `draw(context, width,
+// Contents for a projector: pictures, films, the webcam, text, test patterns. Each has `draw(context, width,
 // height, fit)`, which fills an empty canvas, and `live` if it changes over time.
 
 const PICTURE_SIDE_MAX = 16384, PICTURE_PIXELS_MAX = 100e6;

@@ -107,7 +107,7 @@ function captureRoot(files) {
   return scenes.length ? scenes[0].replace(/\/?[a-z_]+\.json$/, '') : null;
 }
 
-// What `ffprocams info` says of the capture, behind a button; what it advises to change is among the messages.
+// The output of `ffprocams info` on the capture, behind a button; its advice is among the messages.
 function showChecks(text) {
   const doubts = document.querySelectorAll('#notes [data-code]').length;
   $('checks-text').textContent = text;

@@ -1,5 +1,5 @@
 'use strict';
-// What is dropped or chosen, as a list of {path, bytes}: a folder, or a ZIP file (PKWARE's APPNOTE 6.3.10, sections 4.3 and 4.4).
+// Dropped or chosen files, as a list of {path, bytes}: a folder, or a ZIP file (PKWARE's APPNOTE 6.3.10, sections 4.3 and 4.4).
 
 class Message extends Error {}
 

@@ -1,5 +1,5 @@
 'use strict';
-// What was found wrong, as the engine and the studio's server tell it (FfpFinding as JSON): an item of a list each, its remedy below.
+// Findings of the engine and the studio's server (FfpFinding as JSON): an item of a list each, its remedy below.
 
 function findingItem(finding) {
   const item = document.createElement('li'), subject = finding.subject[0].toUpperCase() + finding.subject.slice(1);

@@ -10,7 +10,7 @@ class Graphics {
     if (!gl.getExtension('EXT_color_buffer_float'))
       throw new Error('This graphics driver cannot draw into float textures (EXT_color_buffer_float).');
     this.gl = gl;
-    this.float32 = !!gl.getExtension('EXT_float_blend'); // whether sums are kept in 32 bits, otherwise in 16
+    this.float32 = !!gl.getExtension('EXT_float_blend'); // sums are kept in 32 bits, otherwise in 16
     this.sideMax = gl.getParameter(gl.MAX_TEXTURE_SIZE); // pixels
     this.programs = new Map();
     this.empty = gl.createVertexArray();

@@ -1,5 +1,5 @@
 'use strict';
-// What a person makes here, as plain data: projectors, what they show, paint, cues and the view. From it come undo,
+// A person's work as plain data: projectors, what they show, paint, cues and the view. From it come undo,
 // the stage's file, and what the browser keeps.
 
 const STAGE_FORMAT = 'ffprocams stage', PROJECTORS_MAX = 16, CUES_MAX = 200, UNDO_MAX = 60, QUIET = 350, KEEP_AFTER = 1500; // ms
@@ -30,7 +30,7 @@ class Library {
   find(id) { return this.entries.find((entry) => entry.id === id); }
 }
 
-// What a content can be made from again; null: it cannot (the webcam).
+// The data that a content can be made from again; null: it cannot (the webcam).
 function describeContent(app, content) {
   if (content instanceof FadeContent) return describeContent(app, content.to);
   if (content instanceof TestContent) return {test: content.name};

@@ -114,7 +114,7 @@ float lobe(float roughness, float nl, float nv, float nh, float vh) {
   return a2 / (PI * q * q) * F / (4.0 * gv * gl);
 }
 
-// What of light from direction l goes to v, times the cosine: premultiplied by the opacity.
+// The share of light from direction l that goes to v, times the cosine: premultiplied by the opacity.
 vec3 reflected(Sums s, vec3 v, vec3 l) {
   float size = length(s.normal), least = NORMAL_MIN * s.opacity;
   vec3 n = s.normal / max(size, least) * (dot(s.normal, v) < 0.0 ? -1.0 : 1.0);

@@ -321,7 +321,7 @@ class App {
     this.schedule();
   }
 
-  // Whether a film runs that can be seen, here or in the projector window.
+  // True if a film runs that can be seen, here or in the projector window.
   get playing() {
     const {lit} = this;
     return this.projectors.some((p) => p.content.live && (lit.includes(p) || (p.on && this.window.isOpen && this.window.projector === p)));

@@ -3,7 +3,7 @@
 uniform sampler2D u_response, u_ambient, u_place, u_target, u_paint;
 uniform highp usampler2D u_near;
 uniform vec2 u_share; // of a pixel of the maps that one of the pattern is
-uniform bool u_look;  // whether the target is the look of the object between dark and full light
+uniform bool u_look;  // true if the target is the look of the object between dark and full light
 uniform float u_gain, u_brightness;
 layout(location = 0) out vec4 o_pattern;
 

@@ -160,7 +160,7 @@ class Renderer {
     return dot3(axisOf(device.pose, 2), sub3(this.scene.centre, positionOf(device.pose)));
   }
 
-  // Whether this projector casts shadows: those of one at the baked light are in the albedo (ffp_shadows_are_baked).
+  // True if this projector casts shadows: those of one at the baked light are in the albedo (ffp_shadows_are_baked).
   castsShadows(projector) {
     const {baked} = this.scene;
     return this.settings.shadows &&

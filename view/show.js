@@ -42,7 +42,7 @@ class Show {
     this.app = app, this.cues = [], this.at = -1, this.playing = false, this.started = 0;
   }
 
-  // What the projectors show now, as a further cue.
+  // Adds the projectors' present contents as a cue.
   add() {
     const {app} = this, shown = app.projectors.map((p) => describeContent(app, p.content));
     if (this.cues.length >= CUES_MAX) throw new Message(`A show has at most ${CUES_MAX} cues.`);

@@ -59,7 +59,7 @@ async function listCameras() {
   if (webcam.stream) $('devices').value = webcam.stream.getVideoTracks()[0].getSettings().deviceId;
 }
 
-// What the browser lets be held: with exposure, white balance and focus on their own, codes cannot be read.
+// Holds all settings that the browser can hold: with exposure, white balance and focus on their own, codes cannot be read.
 async function holdStill(track) {
   const can = track.getCapabilities ? track.getCapabilities() : {}, held = [];
   for (const mode of ['exposureMode', 'whiteBalanceMode', 'focusMode']) {

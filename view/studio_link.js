@@ -12,7 +12,7 @@ function say(text) {
   toastTimer = setTimeout(() => $('toast').classList.remove('shown'), 7000);
 }
 
-// What the server said last; everything on the page follows from it.
+// The server's last answer; everything on the page follows from it.
 const studio = {state: null, gone: false, listeners: []};
 
 function accept(state) {

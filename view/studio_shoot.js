@@ -15,7 +15,7 @@ function titleOf(set) {
   return kind === 'turntable' ? 'On the turntable' : kind === 'empty' ? 'Empty stage' : `${Number(number)}\u00b0`;
 }
 
-// What a person has to do before a set, or before each photograph of the board on the turntable.
+// Instructions for a person before a set, or before each photograph of the board on the turntable.
 function wishFor(set) {
   const name = set.name.slice(set.name.lastIndexOf('/') + 1);
   if (name.startsWith('attitude')) return set.done === 0 ? 'Hold the board still, tilted another way than before' + (studio.state.settings.camera === 'browser' ? ': it begins as soon as it is still.' : '.') : '';
@@ -116,7 +116,7 @@ async function lookForBoard(name) {
   }
 }
 
-// Whether this board is worth its codes. Without a board in it the set begins again; what was photographed is kept in discarded/.
+// True if this board is worth its codes. Without a board in it the set begins again; what was photographed is kept in discarded/.
 async function isBoardGood(name) {
   const seen = await lookForBoard(name);
   if (!seen) return true;

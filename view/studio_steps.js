@@ -159,7 +159,7 @@ async function boardOf(name) {
 
 const SIDES = [['left', -1, 0], ['right', 1, 0], ['top', 0, -1], ['bottom', 0, 1]];
 
-// What the boards so far leave open: parts of the picture that no corner has reached, and sides that were never the nearer one.
+// Gaps that the boards so far leave: parts of the picture that no corner has reached, and sides that were never the nearer one.
 function openBoards(seen) {
   const cells = new Set(seen.flatMap((b) => b.corners.map(([x, y]) => Math.floor(3 * y / b.height) * 3 + Math.floor(3 * x / b.width))));
   const parts = ['the left top', 'the top', 'the right top', 'the left', 'the middle', 'the right', 'the left bottom', 'the bottom', 'the right bottom'];
@@ -209,7 +209,7 @@ function drawBoard(state) {
 const told = {};
 const stamp = (state, name) => `${state.settings.object} ${state.job.name === name ? state.job.end + state.job.seconds : 'before'}`;
 
-// What the files of the calibration say of it: OpenCV's FileStorage, and the axis' JSON.
+// The calibration's files: OpenCV's FileStorage, and the axis' JSON.
 const fitOf = async (file) => new DOMParser().parseFromString(await textOf(file), 'text/xml').documentElement;
 const fieldOf = (fit, name) => [...fit.children].find((child) => child.tagName === name);
 
@@ -225,7 +225,7 @@ async function calibrationFigures() {
   return figures;
 }
 
-// What the commands of a step found when they ran last; none, if they were another object's.
+// The findings of a step's commands when they ran last; none, if they were another object's.
 async function findingsOf(name, object) {
   const log = JSON.parse(await textOf(`logs/${name}.json`) || '{"commands": [], "findings": []}');
   return !object || log.commands.some((command) => command.includes(`objects/${object.name}/`)) ? log.findings : [];

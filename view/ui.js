@@ -317,7 +317,7 @@ const ARROWS = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowD
 
 const isText = (target) => target instanceof HTMLInputElement && target.type === 'text';
 
-// Whether a control uses a key itself: to type into it, to move it or to press it.
+// True if a control uses a key itself: to type into it, to move it or to press it.
 function takesKey(target, key) {
   if (isText(target) || target instanceof HTMLSelectElement) return true;
   if (target instanceof HTMLInputElement && target.type === 'range') return !!ARROWS[key] || key === 'Home';
@@ -333,7 +333,7 @@ function arrow(app, controls, event) {
   else controls.drag(event.shiftKey ? 'pan' : 'orbit', whole && !event.shiftKey ? -x : x, y);
 }
 
-// What the page says about a whole scene in place of an object (data-whole, data-whole-title).
+// Switches the page's texts to those for a whole scene in place of an object (data-whole, data-whole-title).
 function nameWhole() {
   for (const told of document.querySelectorAll('[data-whole]')) told.textContent = told.dataset.whole;
   for (const told of document.querySelectorAll('[data-whole-title]')) told.title = told.dataset.wholeTitle;

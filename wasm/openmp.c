@@ -1,7 +1,7 @@
 // OpenMP's runtime for a page with threads: the functions that clang's code for the pragmas calls (the
 // interface of LLVM's libomp, as clang 14 uses it), as far as the engine's loops need them, and OpenMP's own.
-// What is missing here does not link, or stops. A region inside another has one thread; one thread of the
-// page, the engine's, begins the outer ones. Static loops are cut as libgomp cuts them.
+// Functions that are missing here do not link, or stop. A region inside another has one thread; one thread of
+// the page, the engine's, begins the outer ones. Static loops are cut as libgomp cuts them.
 #include <emscripten/threading.h>
 #include <math.h>
 #include <omp.h>

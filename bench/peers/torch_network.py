@@ -46,7 +46,7 @@ class Worker:
         self.output.backward(self.gradient)
 
     def results(self):
-        """What `write` writes: the outputs, and the gradients of the weights in the order of the file."""
+        """The values that `write` writes: the outputs, and the gradients of the weights in the order of the file."""
         yield self.output.detach().float().numpy()
         if self.gradient is not None:
             for name in self.network.names[: self.network.names.index("final_norm") + 1]:

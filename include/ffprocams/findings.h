@@ -1,5 +1,5 @@
-// What is found wrong with photographs, poses and calibrations, as values: what was seen, in which view, and
-// what to do about it. docs/guide/troubleshooting.md lists all of them.
+// Faults found in photographs, poses and calibrations, as values: the observation, its view, and the remedy.
+// docs/guide/troubleshooting.md lists all of them.
 #ifndef FFPROCAMS_FINDINGS_H
 #define FFPROCAMS_FINDINGS_H
 

@@ -270,7 +270,7 @@ class Calibration:
 
     @property
     def distorted(self) -> bool:
-        """Whether a device has lens distortion: if so, photographs must go through import_capture."""
+        """True if a device has lens distortion: photographs must then go through import_capture."""
         return bool(np.any(self.camera_distortion) or np.any(self.projector_distortion))
 
     def turned(

@@ -1,4 +1,4 @@
-"""What is found wrong with a capture, as values."""
+"""Faults found in a capture, as values."""
 
 from __future__ import annotations
 

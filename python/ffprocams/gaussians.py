@@ -209,7 +209,7 @@ def _copy(given: tuple[npt.ArrayLike, ...]) -> Any:
 
 
 def _restored(kind: type[Any], arrays: tuple[Floats, ...], stats: Any) -> Any:
-    """What __reduce__ took apart."""
+    """The Gaussians that __reduce__ took apart."""
     out = kind(_copy(arrays))
     if stats is not None:
         out.stats = stats

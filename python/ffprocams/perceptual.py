@@ -27,7 +27,7 @@ _Tensor = tuple[str, _Shape, bytes]
 
 
 class _Failure(Exception):
-    """What is wrong, and with which file."""
+    """A fault, and the file that has it."""
 
 
 def _conv(name: str, out_channels: int, in_channels: int, kernel: int) -> list[tuple[str, _Shape]]:

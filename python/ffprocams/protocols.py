@@ -29,7 +29,7 @@ Predictor = Callable[[Pinhole, Pinhole, Floats], Array]
 
 @dataclass
 class Inputs:
-    """What a method may use of a capture: its views under black, white and one structured-light pattern."""
+    """The part of a capture that a method may use: its views under black, white and one structured-light pattern."""
 
     name: str
     view_ids: tuple[str, ...]
@@ -157,7 +157,7 @@ def structured_pattern(capture: Capture) -> str:
 
 
 def inputs_of(capture: Capture, pattern: str | None = None, name: str = "capture") -> Inputs:
-    """What a method may use of a capture. ``pattern``: of the structured light; None: structured_pattern."""
+    """The part of a capture that a method may use. ``pattern``: of the structured light; None: structured_pattern."""
     pattern = structured_pattern(capture) if pattern is None else pattern
 
     def under(which: str) -> list[Floats]:

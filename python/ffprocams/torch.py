@@ -149,7 +149,7 @@ def _arrays(parts: Sequence[Tensor | None]) -> dict[str, Any]:
 
 @dataclass
 class _Job:
-    """What autograd does not look at."""
+    """Arguments that autograd does not look at."""
 
     cameras: Devices
     projectors: Devices
@@ -169,7 +169,7 @@ def _pinholes(d: Devices, pose: Tensor, focal: Tensor) -> Any:
 
 
 def _same(canvas: _Canvas, patterns: Sequence[Tensor], dark: list[bool], projectors: Devices) -> bool:
-    """Whether the canvas has these patterns. It keeps references to those it has, so addresses are theirs alone; a
+    """True if the canvas has these patterns. It keeps references to those it has, so addresses are theirs alone; a
     version changes with the numbers."""
     marks = [(t.data_ptr(), t._version) for t in patterns]
     held = canvas.patterns
@@ -410,7 +410,7 @@ class Splats(torch.nn.Module):
         return [{"params": [getattr(self, name)], "lr": factor * rate} for name, rate in rates.items()]
 
     def gaussians(self) -> Gaussians:
-        """What the parameters stand for, as Gaussians of the package."""
+        """The parameters' Gaussians, as those of the package."""
         with torch.no_grad():
             return Gaussians.from_arrays(*(t.numpy() for t in self()))
 

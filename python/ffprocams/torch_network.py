@@ -50,7 +50,7 @@ class Parts(NamedTuple):
 
 @dataclass
 class Prepared:
-    """What the network sees of a capture, as tensors: noise filtered, matched, with the classical initialisation. It
+    """The network's inputs from a capture, as tensors: noise filtered, matched, with the classical initialisation. It
     depends on a model's configuration, not on its weights: make it once, and run the network on it any number of times.
     ``FfpPreparedArrays`` in ffprocams.h describes the fields."""
 
@@ -142,12 +142,12 @@ def _scan(
 
     sums = running(dt_ * rate, 1)  # [chunks,chunk,heads], a row's own step included
     total = sums[:, 0 if reverse else -1]  # [chunks,heads]
-    # What rows give to the rows of their chunk.
+    # Contributions of rows to the rows of their chunk.
     pairs = torch.bmm(c_, b_.transpose(1, 2))  # [chunks,chunk,chunk], shared by the heads
     turned = sums.transpose(1, 2)
     weights = decays(turned, turned, seen) * pairs.unsqueeze(1) * dt_.transpose(1, 2).unsqueeze(2)
     inside = torch.matmul(weights, by_head.transpose(1, 2)).transpose(1, 2)  # [chunks,chunk,heads,width]
-    # What each chunk adds to the state; the states that enter the chunks, and what these give.
+    # Each chunk's addition to the state; the states that enter the chunks, and their contributions.
     feed = (dt_ * (total.unsqueeze(1) - sums).exp()).unsqueeze(-1) * by_head
     own = torch.bmm(b_.transpose(1, 2), feed.flatten(2))  # [chunks,state,heads width]
     left = running(total, 0).transpose(0, 1)  # [heads,chunks]

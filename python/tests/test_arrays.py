@@ -1,4 +1,4 @@
-"""What goes into the library and comes out of it as numpy arrays."""
+"""Inputs and outputs of the library as numpy arrays."""
 
 from __future__ import annotations
 

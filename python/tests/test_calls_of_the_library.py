@@ -186,7 +186,7 @@ def test_generated_captures_are_captures(tmp_path: Path) -> None:
 
 
 def test_a_simulated_rig_is_calibrated(tmp_path: Path) -> None:
-    """What the projector shows, photographs of a board under it, and the calibration: near the truth that made them."""
+    """The projector's patterns, photographs of a board under them, and the calibration: near the truth that made them."""
     shown = ffp.write_patterns(tmp_path / "codes", 256, 160, lollipops=0, focus=False)
     assert len(shown) == 2 + 2 * 8 + 2 * 8
     boards = tmp_path / "boards"

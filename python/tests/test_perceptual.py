@@ -11,7 +11,7 @@ from ffprocams import FileFormatError, perceptual, protocols
 
 
 class Tensor:
-    """What is used of a torch.Tensor, which CI does not have."""
+    """The used part of a torch.Tensor, which CI does not have."""
 
     def __init__(self, values: Any) -> None:
         self.values, self.shape = values, values.shape

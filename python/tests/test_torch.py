@@ -96,7 +96,7 @@ def render_of(few: layer.Parts, devices, pattern, **changed):  # type: ignore[no
 
 # Single precision, and rims of splats (alpha below 1/255) that a step moves past pixels: hence 6 %, and 15 % for
 # devices, which move all rims. The same gradients agree to 1e-5 in
-# double (tests/engine/render/test_aim_f64.c). What the backward pass takes for constants is off in the paper's form.
+# double (tests/engine/render/test_aim_f64.c). The constants of the backward pass are off in the paper's form.
 STEPS = {"centre": 2e-4, "scale": 1e-4, "rotation": 1e-3, "opacity": 2e-3, "albedo": 1e-3, "roughness": 2e-3, "ambient": 1e-3}  # fmt: skip
 
 

@@ -1,4 +1,5 @@
-// What the fuzzers share. Each fuzz_<parser>.c is a libFuzzer program for one parser of files from outside.
+// Common code of the fuzzers. Each fuzz_<parser>.c is a libFuzzer program for one parser of files from
+// outside.
 #ifndef FFP_TESTS_FUZZ_H
 #define FFP_TESTS_FUZZ_H
 

@@ -72,8 +72,8 @@ void ffp_parallel_for(int64_t count, int threads, void (*body)(void *argument, i
 
 // --- Calls. ---
 
-// Whether the call takes the device's turn. What works beside such a call only makes things ready for the
-// device, and would wait for the turn as long as the call waits for it.
+// True if the call takes the device's turn. Work beside such a call only makes things ready for the device,
+// and would wait for the turn as long as the call waits for it.
 static bool takes_turn(const FfpContext *context) {
     return context && context->device && !context->beside;
 }

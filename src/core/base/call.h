@@ -48,7 +48,7 @@ void ffp_parallel_for(int64_t count, int threads, void (*body)(void *argument, i
 // callback if the last time was long enough ago. Costs next to nothing.
 void ffp_cancel_point(void);
 
-// Whether the caller has cancelled the call, without aborting it. For work that then finishes early with the
+// True if the caller has cancelled the call, without aborting it. For work that then finishes early with the
 // results so far: it calls ffp_cancel_hold_off before it begins, which returns the previous setting.
 bool ffp_cancelled(void);
 bool ffp_cancel_hold_off(bool on);

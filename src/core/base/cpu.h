@@ -1,4 +1,4 @@
-// What the processor can do, and which of the compiled kernel levels is used.
+// The processor's abilities, and the choice among the compiled kernel levels.
 #ifndef FFP_BASE_CPU_H
 #define FFP_BASE_CPU_H
 
@@ -32,14 +32,14 @@
 typedef enum FfpCpuLevel { FFP_EACH_LEVEL(FFP_CPU_ENTRY, ) FFP_CPU_LEVELS } FfpCpuLevel;
 
 const char *ffp_cpu_name(FfpCpuLevel level); // portable, avx2, neon, ...
-bool ffp_cpu_bf16(FfpCpuLevel level);        // whether products of this level take operands rounded to bf16
+bool ffp_cpu_bf16(FfpCpuLevel level);        // true if products of this level take operands rounded to bf16
 FfpCpuLevel ffp_cpu_best(void);              // the highest level that this processor and kernel can run
 
 // The level in use: the quickest (the best, or avx512 where bf16 without tiles is slower), or the one that
 // the environment variable FFPROCAMS_CPU names if it can run here (ffp_cpu_check tells). Decided at the first
 // call.
 FfpCpuLevel ffp_cpu_level(void);
-// Whether FFPROCAMS_CPU names a level that this processor can run, or nothing.
+// Checks that FFPROCAMS_CPU, if set, names a level that this processor can run.
 FFP_API bool ffp_cpu_check(FfpError *err); // public too
 // For tests and benchmarks: uses another level from now on; false when it cannot run here. Not while
 // kernels run.

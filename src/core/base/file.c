@@ -12,7 +12,7 @@
 #define LINKS_MAX 40     // as in Linux's own path lookup
 #define TEMPORARIES 1000 // names that are tried for one
 
-// What is at a path, for messages; NULL: a regular file.
+// The kind of file at a path, for messages; NULL: a regular file.
 static const char *not_regular(const struct stat *about) {
     if (S_ISREG(about->st_mode)) return NULL;
     if (S_ISDIR(about->st_mode)) return "a folder";

@@ -29,7 +29,7 @@ static double in_group(const char *group, const char *file, const char *key) {
     return read_number(path, key);
 }
 
-// What the limit of a group leaves: its page cache can be given back. Negative: it has none.
+// Memory that the limit of a group leaves: its page cache can be given back. Negative: it has none.
 static double left_in_group(const char *group) {
     const double most = in_group(group, "memory.max", ""), used = in_group(group, "memory.current", "");
     const double cache = in_group(group, "memory.stat", "inactive_file ");

@@ -16,7 +16,7 @@ typedef enum FfpProcessEnd {
     FFP_PROCESS_STDOUT // we read, its stdin is empty
 } FfpProcessEnd;
 
-// Whether a program of this name is in one of the folders of PATH.
+// True if a program of this name is in one of the folders of PATH.
 bool ffp_program_exists(const char *name);
 
 // Starts arguments[0] (NULL after the last), found on PATH, in its own process group: Ctrl-C is for the

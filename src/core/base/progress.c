@@ -1,4 +1,4 @@
-// What the caller is told of the work, and whether it is to go on.
+// Reports to the caller on the work, and the answer whether it is to go on.
 #include <omp.h>
 #include <stdio.h>
 #include "core/base/frame.h"

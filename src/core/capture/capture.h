@@ -97,7 +97,7 @@ FfpCapture *ffp_capture_load_most(const char *path, double values, FfpError *err
 // whose photographs have neither alpha nor masks, or that is a whole scene, is read as a whole.
 FfpCapture *ffp_capture_load_wanted(const char *path, const char *const *patterns, int n, FfpError *err);
 // Devices and patterns, for work that looks at few photographs or none: they stay in their files, and views
-// have neither pictures nor coverage (photographs.h reads a view's). What the file does not say (the
+// have neither pictures nor coverage (photographs.h reads a view's). A value that the file lacks (the
 // intensity, a pattern's picture, and with `sphere` the object's) takes reading it all, as ffp_capture_load
 // does. Without `sphere` it is the file's (radius 0: none).
 FfpCapture *ffp_capture_load_devices(const char *path, bool sphere, FfpError *err);
@@ -177,7 +177,7 @@ void ffp_capture_normalise(FfpCapture *capture, const real centre[3], real radiu
 // (x, y in pixels, z = camera depth) of a world point; returns z. Behind the device z <= 0 and x, y are
 // meaningless.
 real ffp_project(const FfpCamera *camera, const real point[3], real *x, real *y);
-// Whether two devices have the same pose and lens: every number of the poses equal to within 1e-4, which is
+// True if two devices have the same pose and lens: every number of the poses equal to within 1e-4, which is
 // far below a pixel in a normalised capture, and focal lengths and principal points to within a hundredth of
 // a pixel.
 bool ffp_same_device(const FfpCamera *a, const FfpCamera *b);

@@ -42,7 +42,7 @@ typedef struct Sweep {
 
 // --- Samples. ---
 
-// What of white the projector sent to the pixel, under each pattern.
+// The share of white that the projector sent to the pixel, under each pattern.
 static bool read_pixel(const Sweep *sweep, const FfpCapture *capture, int x, int y, Sample *sample, int k) {
     const FfpView *view = sweep->view;
     if (x < 0 || y < 0 || x >= view->camera.width || y >= view->camera.height) return false;
@@ -249,7 +249,7 @@ static int choice(int k, int count, int most) {
     return count <= most ? k : (int)((int64_t)k * count / most);
 }
 
-// What the samples of a view say: their number of points.
+// Points that the samples of a view give; returns their number.
 typedef int Say(const Sweep *sweep, const double guess[3], real points[][3]);
 
 static int sweep_view(const FfpCapture *capture, const FfpView *view, const int *usable, int n_usable,

@@ -13,7 +13,7 @@ typedef enum FfpCoverageSource {
     FFP_COVERAGE_NONE,    // the view has no pictures: 0 everywhere
 } FfpCoverageSource;
 
-// Whether a view's mask is used: always if `mask_first`, otherwise if no picture has an alpha channel.
+// True if a view's mask is used: always with `mask_first`, otherwise if no picture has an alpha channel.
 // `alphas` [n_patterns]: alpha of each picture, .data NULL where it has none.
 bool ffp_wants_mask(const FfpCapture *capture, const FfpImage *alphas, bool mask_first);
 

@@ -1,4 +1,4 @@
-// What the readers of both kinds of JSON fill the manifest with.
+// Calls by which the readers of both kinds of JSON fill the manifest.
 #include "core/capture/manifest.h"
 #include <stdio.h>
 #include <string.h>

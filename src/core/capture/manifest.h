@@ -20,8 +20,8 @@ typedef struct FfpViewFiles {
     FfpSource coverage, correspondence, depth, normal, albedo, roughness, direct_white;
 } FfpViewFiles;
 
-// What a reconstruction looks at: black, white, and the pictures under n named patterns, or, if n is 0, under
-// the one that it takes then.
+// The pictures that a reconstruction looks at: black, white, and the pictures under n named patterns, or, if
+// n is 0, under the one that it takes then.
 typedef struct FfpWanted {
     const char *const *patterns;
     int n;

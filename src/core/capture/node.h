@@ -42,7 +42,7 @@ bool ffp_node_text(const FfpNode *field, const char **out, FfpError *err);
 // bytes of UTF-8, no '/', no '\', no control character, not "." or "..".
 bool ffp_node_name(const FfpNode *field, char out[FFP_NAME_MAX], FfpError *err);
 bool ffp_is_name(const char *text);
-// Whether JSON can contain the text: jansson accepts no other, and silently drops a field that it does not
+// True if JSON can contain the text: jansson accepts no other, and silently drops a field that it does not
 // accept.
 bool ffp_is_utf8(const char *text);
 // A file name relative to the JSON's folder: not absolute and without "..".

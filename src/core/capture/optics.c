@@ -2,7 +2,7 @@
 
 #define GRID 32 // cells a side on which a lens is looked at
 
-// Whether the lens keeps left and right, above and below at this point: the derivative's determinant, by
+// True if the lens keeps left and right, above and below at this point: the derivative's determinant, by
 // central differences.
 static bool keeps_order(const double lens[5], double x, double y) {
     const double h = 1e-5;

@@ -61,7 +61,7 @@ static bool load(FfpView *out, const FfpCapture *capture, int index, const int *
     return ok;
 }
 
-// What the object is, where neither alpha nor a mask says it, takes all photographs.
+// Without alpha or a mask, the object's silhouette comes from all photographs.
 static bool load_all(FfpView *out, const FfpCapture *capture, int index, FfpError *err) {
     FfpCoverageSource source;
     int *all = ffp_alloc((size_t)capture->n_patterns, sizeof *all);

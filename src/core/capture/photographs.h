@@ -13,10 +13,10 @@
 bool ffp_photographs_read(FfpView *out, const FfpCapture *capture, int view, const int *patterns, int n,
                           int width, int height, FfpError *err);
 
-// Whether the view has a photograph under the pattern, in memory or in a file.
+// True if the view has a photograph under the pattern, in memory or in a file.
 bool ffp_photographs_has(const FfpCapture *capture, int view, int pattern);
 
-// Whether the view has truth of a kind, in memory or in a file: depth, normal, albedo, roughness, direct
+// True if the view has truth of a kind, in memory or in a file: depth, normal, albedo, roughness, direct
 // light.
 enum { FFP_TRUTHS = 5 };
 bool ffp_photographs_truth(const FfpCapture *capture, int view, int kind);

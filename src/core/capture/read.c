@@ -118,7 +118,7 @@ bool ffp_capture_read_targets(FfpCapture *targets, const char *path, const FfpCa
     return true;
 }
 
-// Whether the file says all that the photographs would be looked at for.
+// True if the file says all that the photographs would be looked at for.
 static bool says_enough(const FfpCapture *devices, bool sphere) {
     bool enough = devices->intensity_known && (!sphere || devices->radius > 0);
     for (int p = 0; p < devices->n_patterns; p++) enough &= devices->patterns[p].image.data != NULL;

@@ -80,7 +80,7 @@ static bool read_bounds(FfpManifest *manifest, const FfpNode *root, FfpError *er
            ffp_get_number(&object, "radius", 1e-9, RADIUS_MAX, &manifest->capture->radius, err);
 }
 
-// Whether it is a whole scene.
+// Reads whether it is a whole scene.
 static bool read_kind(FfpManifest *manifest, const FfpNode *root, FfpError *err) {
     FfpNode field;
     if (!ffp_node_find(root, "scene", &field)) return true;
@@ -201,7 +201,7 @@ static bool read_pictures(FfpManifest *manifest, const FfpNode *view, FfpViewFil
     return true;
 }
 
-// What of the picture the camera saw, where that is not all of it.
+// The part of the picture that the camera saw, if not all of it.
 static bool read_frame(const FfpNode *view_field, FfpView *view, FfpError *err) {
     FfpNode frame, item;
     int *const sides[2] = {&view->frame_width, &view->frame_height};

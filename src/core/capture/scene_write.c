@@ -61,7 +61,7 @@ static bool is_identical(const FfpCamera *a, const FfpCamera *b) {
 
 // --- Pictures. ---
 
-// Whether the picture has light where the object has none: then alpha could not carry it.
+// True if the picture has light where the object has none: then alpha could not carry it.
 static bool shows_background(const FfpImage *rgb, const FfpImage *coverage) {
     const ptrdiff_t pixels = (ptrdiff_t)rgb->width * rgb->height;
     for (ptrdiff_t i = 0; i < pixels; i++) {

@@ -35,7 +35,7 @@ double ffp_opacity_logit(double share); // of an opacity; infinite for 0 and 1
 // The extension of glTF that splats are in.
 #define FFP_SPLAT_EXTENSION "KHR_gaussian_splatting"
 
-// What an SPZ file is made of.
+// The parts of an SPZ file.
 #define FFP_SPZ_MAGIC 0x5053474eU         // "NGSP"
 #define FFP_SPZ_HEADER 16                 // bytes
 #define FFP_SPZ_COLOUR 0.15               // of f_dc in a byte, around the middle

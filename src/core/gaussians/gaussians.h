@@ -72,7 +72,7 @@ void ffp_gaussians_download(FfpGaussians *host, const FfpGaussians *gaussians); 
 // unit sphere back to the world.
 void ffp_gaussians_transform(FfpGaussians *gaussians, const real offset[3], real radius);
 
-// Whether the shadows of a projector with this pose (row-major 4x4, projector to world) are baked.
+// True if the shadows of a projector with this pose (row-major 4x4, projector to world) are baked.
 bool ffp_shadows_are_baked(const FfpGaussians *gaussians, const real pose[16]);
 
 // Takes out those of an opacity below FFP_OPACITY_LEAST, which no file holds (ffp_gaussians_write_drawn); the
@@ -95,7 +95,7 @@ bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err
 FfpGaussians *ffp_gaussians_load(const char *path, FfpError *err);
 // Which patterns a file names, as above.
 bool ffp_gaussians_read_made_from(char made_from[FFP_MADE_FROM], const char *path, FfpError *err);
-// Whether a file holds Gaussians with albedo and roughness; false for anything else, and if there is no file.
+// True if a file holds Gaussians with albedo and roughness; false for anything else, and if there is no file.
 bool ffp_gaussians_are_relightable(const char *path);
 // Adds a pattern's name, once; names beyond the buffer are silently dropped.
 void ffp_made_from_add(char made_from[FFP_MADE_FROM], const char *name);

@@ -111,7 +111,7 @@ static bool decode_percent(char out[FFP_PATH_MAX], const char *uri) {
     return *uri == 0;
 }
 
-// Whether it leads nowhere but to the folder that it begins in, or below.
+// True if it leads nowhere but to the folder that it begins in, or below.
 static bool leads_below(const char *name) {
     if (name[0] == '/' || name[0] == 0 || strchr(name, '\\') || strchr(name, ':')) return false;
     for (const char *at = name; at; at = strchr(at, '/')) {
@@ -247,7 +247,8 @@ typedef struct Splats {
     bool harmonics; // beyond the constant
 } Splats;
 
-// What the extension says of a primitive that cannot be read, or is drawn otherwise than it asks for.
+// Checks the extension for settings that cannot be read, or that are drawn otherwise than the primitive asks
+// for.
 static bool check_extension(const Gltf *gltf, const json_t *how, FfpError *err) {
     const char *kernel = json_string_value(json_object_get(how, "kernel")), *name;
     json_t *of = json_object_get(how, "extensions"), *value;

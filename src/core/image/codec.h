@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include "core/image/image.h"
 
-// What a file says of its colours (profile.h).
+// A file's description of its colours (profile.h).
 typedef enum FfpProfileKind { FFP_PROFILE_NONE, FFP_PROFILE_ICC, FFP_PROFILE_NUMBERS } FfpProfileKind;
 typedef struct FfpColourProfile {
     FfpProfileKind kind;

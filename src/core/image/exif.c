@@ -1,4 +1,4 @@
-// What cameras write beside a picture (EXIF 2.3, JEITA CP-3451C): directories of a TIFF.
+// The data that cameras write beside a picture (EXIF 2.3, JEITA CP-3451C): directories of a TIFF.
 #include <string.h>
 #include "core/image/codec.h"
 

@@ -82,7 +82,7 @@ static int find_channel(const Reading *r, const char *name, const char *letter) 
     return -1;
 }
 
-// Whether the layer's own name, without those of the groups it is in, is this.
+// True if the layer's own name, without those of the groups it is in, is this.
 static bool is_layer(const char *name, const char *layer) {
     const size_t length = layer_length(name), wanted = strlen(layer);
     return length > wanted && memcmp(name + length - 1 - wanted, layer, wanted) == 0 &&

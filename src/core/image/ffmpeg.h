@@ -4,7 +4,7 @@
 
 #include "core/base/process.h"
 
-bool ffp_ffmpeg_makes(const char *path); // whether the extension is one that it makes: .gif .mp4 .webm .mkv
+bool ffp_ffmpeg_makes(const char *path); // true if the extension is one that it makes: .gif .mp4 .webm .mkv
 
 // Starts it on frames of width x height RGB bytes. It writes to `file`, in the format given by the extension
 // of `path`.

@@ -16,7 +16,7 @@ typedef struct FfpFrames {
     int expected; // by what the file says of its length; 0: it does not
 } FfpFrames;
 
-// Whether a path names a film, or a part of one ("FILM@FROM-TO"), by what the file holds: GIF, WebP and
+// True if a path names a film, or a part of one ("FILM@FROM-TO"), by what the file holds: GIF, WebP and
 // animated PNG too.
 bool ffp_frames_are_in(const char *path);
 // Starts reading, `rate` frames a second (0: the film's own), with square pixels, in sRGB (stream.h); a note

@@ -11,8 +11,8 @@ bool ffp_framing_check(FfpFraming framing, FfpError *err);
 // only changes the size (ffp_image_resize).
 FfpImage ffp_image_framed(const FfpImage *image, int width, int height, FfpFraming framing);
 // Checks by its header alone that a picture is worth reading for a frame of width x height: it has at most
-// four times the frame's pixels, or FFP_FRAMED_PIXELS_MAX. What little a file may unpack to is not limited by
-// its size: 16000 x 16000 pixels fit into 250 kB, and take 7 GB to read.
+// four times the frame's pixels, or FFP_FRAMED_PIXELS_MAX. A small file may unpack to
+// a large picture: 16000 x 16000 pixels fit into 250 kB, and take 7 GB to read.
 #define FFP_FRAMED_PIXELS_MAX (8192LL * 8192)
 bool ffp_framed_check(const char *path, int width, int height, FfpError *err);
 // Notes in the log what that does to a picture of this size: nothing is noted where nothing changes.

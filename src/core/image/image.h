@@ -73,7 +73,7 @@ bool ffp_image_read_over_black_sized(FfpImage *rgb, FfpImage *alpha, const char 
                                      FfpError *err);
 bool ffp_size_check(const FfpSize *size, int width, int height, const char *path, FfpError *err);
 
-// Whether a name has the extension of a format above: for finding the pictures among a folder's files.
+// True if a name has the extension of a format above: for finding the pictures among a folder's files.
 bool ffp_image_has_ending(const char *name);
 // The orientation tag of a JPEG or TIFF, 1 to 8; 1: there is none, or the file cannot be read.
 int ffp_image_orientation(const char *path);

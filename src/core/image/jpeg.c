@@ -49,7 +49,7 @@ static int orientation_of(const Reading *r) {
     return 1;
 }
 
-// Whether the file can hold the blocks of 8 x 8 that it claims. Each takes a bit at least; arithmetic coding,
+// True if the file can hold the blocks of 8 x 8 that it claims. Each takes a bit at least; arithmetic coding,
 // which cameras do not write, can put some fifty into one.
 static bool has_bits(const struct jpeg_decompress_struct *jpeg, size_t size) {
     size_t blocks = 0;

@@ -65,7 +65,7 @@ FFP_FORMULA FfpFour ffp_corner(const FfpSummed *summed, const FfpEdge *x, const 
     return upper + (lower - upper) * y->weight;
 }
 
-// Whether the pattern shows the same all over the box and around it: one colour, and no edge.
+// True if the pattern shows the same all over the box and around it: one colour, and no edge.
 FFP_FORMULA bool ffp_box_plain(const FfpSummed *summed, real u, real v, real du, real dv) {
     const real x = (du > 1 ? du : 1) / 2, y = (dv > 1 ? dv : 1) / 2;
     return summed->plain && u > x && v > y && u + x < (real)summed->width && v + y < (real)summed->height;

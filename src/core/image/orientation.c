@@ -14,7 +14,7 @@ void ffp_orient(FfpImage *image, int orientation) {
     if (orientation < 2 || orientation > 8) return;
     int width = image->width, height = image->height;
     const bool across = orientation >= 5;
-    // whether the stored picture's columns and rows are counted from the other end
+    // the stored picture's columns and rows are counted from the other end
     const bool right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
     const bool below = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
     ffp_orient_size(&width, &height, orientation);

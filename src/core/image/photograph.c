@@ -87,7 +87,7 @@ static bool is_tiff_raw(const char *file) {
     return raw;
 }
 
-// Whether it has more than one picture: its chunk acTL, before the first picture's data, says so.
+// True if it has more than one picture: its chunk acTL, before the first picture's data, says so.
 static bool is_animated_png(const char *file) {
     unsigned char bytes[PNG_HEAD];
     FILE *stream = ffp_open_to_read(file, NULL);

@@ -28,11 +28,11 @@ bool ffp_photograph_read_size(int *width, int *height, const char *path, FfpErro
 // Checks that the file exists, ignoring the part of a film in its name; the error says `what` it would show.
 // Further errors: an invalid part.
 bool ffp_photograph_check(const char *path, const char *what, FfpError *err);
-// Whether a name asks for the part of a film, valid or not: an @ after a film's extension.
+// True if a name asks for the part of a film, valid or not: an @ after a film's extension.
 bool ffp_photograph_names_part(const char *path);
-// Whether a name has the extension of a raw photograph.
+// True if a name has the extension of a raw photograph.
 bool ffp_photograph_is_raw(const char *name);
-// Whether a name has the extension of a photograph: for finding those among a folder's files.
+// True if a name has the extension of a photograph: for finding those among a folder's files.
 bool ffp_photograph_has_ending(const char *name);
 
 #endif

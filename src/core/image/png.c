@@ -191,7 +191,7 @@ bool ffp_png_decode_raw(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
 
 // --- Writing: into memory, from where the caller takes it to a file. ---
 
-// What is written: an image, or rows that are made one after the other.
+// The source of a file: an image, or rows that are made one after the other.
 typedef struct Rows {
     int width, height, channels;
     const FfpImage *image; // NULL: rows are made
@@ -263,7 +263,7 @@ static void quantise_row(const real *from, size_t count, int depth, unsigned cha
     }
 }
 
-// Whether most pixels equal their left neighbour, as in a pattern of even fields.
+// True if most pixels equal their left neighbour, as in a pattern of even fields.
 static bool has_even_fields(const Rows *rows) {
     const size_t n = (size_t)rows->channels, row = (size_t)rows->width * n;
     size_t same = 0;

@@ -1,4 +1,4 @@
-// What a picture says of its colours: an ICC profile (PNG, JPEG, TIFF), or a PNG's cICP, or its gAMA and
+// A picture's description of its colours: an ICC profile (PNG, JPEG, TIFF), or a PNG's cICP, or its gAMA and
 // cHRM; converted to sRGB by Little CMS.
 #ifndef FFP_IMAGE_PROFILE_H
 #define FFP_IMAGE_PROFILE_H
@@ -12,7 +12,7 @@
 FfpColourProfile ffp_profile_find(const FfpBytes *file);
 // A copy of ICC bytes of another origin.
 FfpColourProfile ffp_profile_of_icc(const void *bytes, size_t size);
-// Whether colours stay as they are, within a level of 8 bits.
+// True if colours stay as they are, within a level of 8 bits.
 bool ffp_profile_is_srgb(const FfpColourProfile *profile);
 // Converts RGBA of [0,1] in place, relative to white, clipped to [0,1]; alpha stays. A note says from what,
 // or why not: a profile that cannot be read, or of other colours than the picture's.

@@ -94,7 +94,7 @@ static bool decode(FfpDecoded *out, const char *path, Wanted wanted, const FfpSi
     return ok;
 }
 
-// What a reader finds in a file's EXIF data; `none` where there are none, or it cannot be read.
+// A reader's answer from a file's EXIF data; `none` where there are none, or it cannot be read.
 static int exif_of(const char *path, int (*read)(const unsigned char *, size_t), int none) {
     enum { HEAD = 1 << 18 }; // a JPEG's tags come first
     static const char mark[6] = "Exif\0";
@@ -165,7 +165,7 @@ static bool read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, bo
     return true;
 }
 
-// Whether it has other colours than sRGB that are to be converted.
+// True if it has other colours than sRGB that are to be converted.
 static bool is_profiled(const FfpBytes *file) {
     FfpColourProfile profile = ffp_profile_find(file);
     const bool profiled = !ffp_profile_is_srgb(&profile);

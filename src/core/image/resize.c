@@ -6,7 +6,7 @@
 #include "core/base/arena.h"
 #include "core/image/image.h"
 
-// What an output pixel takes from the input: `count` pixels from `first` on, with weights that sum to 1.
+// An output pixel's share of the input: `count` pixels from `first` on, with weights that sum to 1.
 typedef struct Taps {
     int most; // room for weights per output pixel
     int *first, *count;

@@ -1,4 +1,4 @@
-// What a film says of its pictures, and the filters of ffmpeg that make pictures of this program of them:
+// A film's description of its pictures, and the filters of ffmpeg that make pictures of this program of them:
 // square pixels, sRGB, straight alpha.
 #ifndef FFP_IMAGE_STREAM_H
 #define FFP_IMAGE_STREAM_H

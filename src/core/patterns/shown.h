@@ -29,7 +29,8 @@ bool ffp_shown_read(FfpShown *shown, const char *folder, FfpError *err);
 static inline bool ffp_shown_is_code(const FfpShown *shown, int pattern) {
     return strncmp(shown->patterns[pattern].name, "gray_", 5) == 0;
 }
-// What of it is photographed: everything, everything but the Gray codes, or these with black and white alone.
+// The patterns that are photographed: everything, everything but the Gray codes, or these with black and
+// white alone.
 typedef enum FfpShownKind { FFP_SHOWN_ALL, FFP_SHOWN_PLAIN, FFP_SHOWN_CODES, FFP_SHOWN_KINDS } FfpShownKind;
 // The first *plain patterns, and all of the codes or none (*codes: how many). False: there is no such kind,
 // or it is one of those before.

@@ -118,7 +118,7 @@ static const char import_by_hand[] =
     "light, and completed where the views tell what lies in shadow. Silhouettes drawn by hand, white on\n"
     "black, one picture for each view, are better: -m 'masks/{view}.png'\n";
 
-// What to photograph, folder by folder, in the order that wastes least: nothing is moved twice.
+// The list of photographs, folder by folder, in the order that wastes least: nothing is moved twice.
 static void list_photographs(const Writing *w) {
     const FfpShow *show = w->show;
     const int capture = show->capture ? 2 + show->lollipops : 0, all = ffp_show_count(show) - show->focus;

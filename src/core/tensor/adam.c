@@ -1,4 +1,4 @@
-// What of Adam is the same at every CPU level.
+// The part of Adam that is the same at every CPU level.
 #include "core/tensor/adam.h"
 #include "core/base/alloc.h"
 #include "core/tensor/kernels/kernels.h"

@@ -1,5 +1,5 @@
-// Adam (Kingma and Ba 2015): everything that learns by gradients here takes this step. What differs is handed
-// in. CPU and GPU share the formula.
+// Adam (Kingma and Ba 2015): everything that learns by gradients here takes this step. Differences are
+// parameters. CPU and GPU share the formula.
 #ifndef FFP_TENSOR_ADAM_H
 #define FFP_TENSOR_ADAM_H
 

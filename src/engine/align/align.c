@@ -183,7 +183,7 @@ static bool adjust_each(Search *s, int active, const FfpAlignSettings *settings,
             s->best = there;
             better = true;
         }
-        // What a step reports is of the poses before it.
+        // A step reports on the poses before it.
         const double share = settings->focal > 0 && 2 * step < settings->steps ? FOCAL_FIRST : 1;
         const FfpPoseErrors expected = {share * settings->expected.turn, share * settings->expected.shift};
         ok = ok && ffp_bundle_step(s->capture, given, active, &expected, settings->focal, &here, err);

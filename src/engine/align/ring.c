@@ -38,7 +38,7 @@ void ffp_ring_place(const FfpRing *ring, FfpCapture *capture) {
     }
 }
 
-// What it takes to get from the pose given to the one on the ring, in units of what is expected.
+// The motion from the given pose to the one on the ring, in units of the expected errors.
 static void difference(const FfpRigid *given, const FfpRigid *wanted, const FfpPoseErrors *e,
                        double out[DEVICE]) {
     double r[9];

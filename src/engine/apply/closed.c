@@ -5,7 +5,7 @@
 #include "core/base/arena.h"
 #include "engine/apply/solve.h"
 
-// What a camera asks for at each of its pixels: level times certainty in three channels, and the certainty.
+// A camera's request at each of its pixels: level times certainty in three channels, and the certainty.
 // Levels are cut at what full feather could show, so that one impossible wish does not spoil its neighbours.
 static FfpImage levels(const FfpProCams *procams, int s) {
     const FfpCameraView *camera_view = &procams->camera_views[s];

@@ -1,4 +1,4 @@
-// What light allows, and how near the pictures come to their targets.
+// The limits of the light, and how near the pictures come to their targets.
 #include <string.h>
 #include <tgmath.h>
 #include "engine/apply/encoded.h"

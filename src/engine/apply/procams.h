@@ -10,7 +10,7 @@
 #include "core/gaussians/gaussians.h"
 #include "engine/render/render.h"
 
-// What one camera sees, and its target. All images have the camera's size.
+// One camera's picture and its target. All images have the camera's size.
 typedef struct FfpCameraView {
     const FfpView *view;
     FfpImage depth;   // 1: camera z in world units, 0 where the opacity is below one half
@@ -20,7 +20,7 @@ typedef struct FfpCameraView {
     FfpImage weight;  // 1: in [0,1], the weight of a pixel: coverage times the target's alpha
 } FfpCameraView;
 
-// What one projector lights. All images have the projector's size.
+// The surface that one projector lights. All images have the projector's size.
 typedef struct FfpProjection {
     const FfpView *view; // the first view with this projector pose
     FfpImage feather;    // 1: in (0,1], the projector's share where several overlap; 1 for a single one

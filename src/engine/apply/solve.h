@@ -4,9 +4,10 @@
 
 #include "engine/apply/procams.h"
 
-// What light can reach, as shares in [0,1] of the constrained pixels (weight above one half). A pixel is
-// unlit if white light on all projections changes no channel by two steps of 255; of the others, too dark
-// (bright) means that a channel of the target is more than one such step below (above) the reachable range.
+// Targets within reach of the light, as shares in [0,1] of the constrained pixels (weight above one half). A
+// pixel is unlit if white light on all projections changes no channel by two steps of 255; of the others, too
+// dark (bright) means that a channel of the target is more than one such step below (above) the reachable
+// range.
 typedef struct FfpGamut {
     int pixels;
     double unlit, too_dark, too_bright;

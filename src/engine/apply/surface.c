@@ -100,7 +100,7 @@ void ffp_lit_surface_density(const FfpLitSurface *surface, const FfpCamera *proj
             density->data[y * density->width + x] = pixel_density(surface, projector, camera, x, y);
 }
 
-// Whether the surface ends between a pixel and its neighbour.
+// True if the surface ends between a pixel and its neighbour.
 static bool ends(const FfpLitSurface *s, const FfpCamera *projector, int x, int y, int nx, int ny) {
     const int width = s->depth.width;
     if (nx < 0 || ny < 0 || nx >= width || ny >= s->depth.height) return true;

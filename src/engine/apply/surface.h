@@ -1,4 +1,4 @@
-// What a projector lights: the nearest surface in every pixel of its pattern.
+// The surface that a projector lights: the nearest one in every pixel of its pattern.
 #ifndef FFP_APPLY_SURFACE_H
 #define FFP_APPLY_SURFACE_H
 

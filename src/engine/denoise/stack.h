@@ -11,7 +11,7 @@ real *ffp_stack_new(const FfpView *view,
                     const int photographs[FFP_PHOTOGRAPHS]); // [height,width,FFP_VALUES]
 
 // Eigenvalues, rising, and unit eigenvectors of a symmetric matrix [n,n]: a becomes vectors, one a row.
-// n <= FFP_VALUES. What LAPACK's dsyev does.
+// n <= FFP_VALUES. Replaces LAPACK's dsyev.
 void ffp_eigen(double *a, int n, double *values);
 
 #endif

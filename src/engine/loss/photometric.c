@@ -49,7 +49,7 @@ static real mean_of(FfpRowSum *of_row, const FfpImage *prediction, const FfpImag
     return weight * (real)(ffp_sum_of_rows(prediction->height, of_row, &d) / (double)count);
 }
 
-// Whether there is nothing to compare.
+// True if there is nothing to compare.
 static bool are_empty(const FfpImage *a, const FfpImage *b) {
     assert(a->width == b->width && a->height == b->height && a->channels == b->channels);
     return (size_t)a->width * a->height * b->channels == 0;

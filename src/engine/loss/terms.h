@@ -50,7 +50,7 @@ FFP_FORMULA real ffp_depth_slope(real depth_sum, real opacity, real truth, real 
     return slope;
 }
 
-// The unit normal of a sum and the sum's length; whether it counts: foreground with a normal to speak of.
+// The unit normal of a sum and the sum's length; true if it counts: foreground with a normal to speak of.
 FFP_FORMULA bool ffp_unit_normal(real unit[3], real *length, const real sum[3], real mask) {
     for (int c = 0; c < 3; c++) unit[c] = sum[c];
     *length = ffp_normalise3(unit);

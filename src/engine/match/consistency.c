@@ -114,7 +114,7 @@ static real share_inside(const FfpImage *coverage, const Place *at) {
     return share < 0 ? 0 : share > 1 ? 1 : share;
 }
 
-// What view `other` adds about the point at depth z of the pixel whose ray it sees as `line`.
+// Adds the evidence of view `other` on the point at depth z of the pixel whose ray it sees as `line`.
 static void ask(FfpSupport *out, const FfpSupportViews *support_views, int other, const FfpLine *line,
                 real z) {
     const FfpDepths *depths = support_views->depths;

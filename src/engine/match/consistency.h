@@ -60,12 +60,12 @@ static inline void ffp_support_count(FfpSupport *out, const FfpDepthBounds *boun
     }
 }
 
-// Whether enough views see past the point for it to be free space.
+// True if enough views see past the point for it to be free space.
 static inline bool ffp_support_is_free_space(const FfpSupport *support) {
     return support->trust_past > FFP_FREE_TRUST + support->trust_agree;
 }
 
-// What is known around position (x, y) of the view's picture; all 0 outside it.
+// Bounds of the depth around position (x, y) of the view's picture; all 0 outside it.
 FfpDepthBounds ffp_depth_bounds_at(const FfpSupportViews *support_views, int view, real x, real y);
 
 // Asks the views other than `view` about the point at camera depth z of position (x, y) in the picture of

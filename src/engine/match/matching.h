@@ -23,7 +23,7 @@ void ffp_match_scene_view(real *depth, real *confidence, const FfpStereo *stereo
                           const FfpObservation *observed, const FfpBlurred *patterns,
                           const FfpMatchSettings *settings);
 
-// What both share. Cost of a pixel's hypotheses summed over 3 x 3 pixels into `sum` [count]; returns the sum
+// Common to both. Cost of a pixel's hypotheses summed over 3 x 3 pixels into `sum` [count]; returns the sum
 // of their weights.
 real ffp_window_costs(real *restrict sum, const real *cost, const FfpForeground *foreground,
                       const FfpObservation *observed, int x, int y, int count);

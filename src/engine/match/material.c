@@ -78,7 +78,7 @@ static real ambient_light(const FfpInitialisation *start, size_t channel) {
     return median;
 }
 
-// What is unlit reflects the ambient light; of one channel.
+// Unlit pixels reflect the ambient light; one channel.
 static void unlit_albedo(void *argument, int64_t channel) {
     FfpInitialisation *start = argument;
     const size_t c = (size_t)channel,

@@ -5,7 +5,7 @@
 #include "engine/match/observe.h"
 #include "engine/match/surface.h"
 
-// What a view is searched by.
+// A view, and the settings of its search.
 typedef struct FfpFineSearch {
     const FfpView *view;
     const FfpObservation *observed;

@@ -27,7 +27,7 @@ FfpPlanes ffp_planes(const FfpCapture *capture, int view, const FfpMatchSettings
                        (last - first) / (real)(settings->coarse_steps - 1)};
 }
 
-// What a pixel saw under all of its patterns.
+// A pixel's values under all of its patterns.
 typedef struct Pixel {
     const FfpObservedPixel *observed; // [count]
     int count;

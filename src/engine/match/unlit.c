@@ -20,7 +20,7 @@
 #define LARGE_STEP 0.4F
 #define MARGIN 0.8F // of the aggregated costs by which a plane must be better than the filled depth's
 
-// What the other views say about a point on a ray.
+// The other views' evidence on a point of a ray.
 typedef struct Said {
     FfpSupport support;    // those who see past it, and those with a surface there
     real unlike[COMPARED]; // least differences to what unlit pixels of other views show, [0,1], ascending

@@ -1,4 +1,4 @@
-// What is known about points that no light of a projector tells: shared by those who look for them.
+// Knowledge about points that no light of a projector tells, shared by the searches for them.
 #ifndef FFP_MATCH_UNLIT_WORK_H
 #define FFP_MATCH_UNLIT_WORK_H
 

@@ -5,7 +5,7 @@
 #include "core/base/call.h"
 #include "engine/pipeline/maps.h"
 
-// What a view's gradients are gathered in; one for each view that is worked on at the same time.
+// The sums of a view's gradients; one for each view that is worked on at the same time.
 typedef struct Slot {
     FfpGaussians gaussians;
     FfpSummed *scatter;   // [n_patterns], over all its views; NULL: not wanted

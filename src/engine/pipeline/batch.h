@@ -9,7 +9,7 @@
 #include "engine/render/pass.h"
 #include "ffprocams.h" // maps, types alone (reconstruct.h says why)
 
-// What one forward call draws; all arrays are the caller's.
+// The job of one forward call; all arrays are the caller's.
 typedef struct FfpBatchJob {
     const FfpGaussians *gaussians;         // its arrays must stay until the last backward call
     int n_views;                           // all cameras of one size, all projectors too

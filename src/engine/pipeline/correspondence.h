@@ -10,7 +10,7 @@
 // The work of ffp_map_images (ffprocams.h), for a view's devices. `stats` may be NULL.
 FfpImages *ffp_maps_of_view(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *view,
                             FfpDrawing drawing, FfpMapStats *stats, FfpError *err);
-// Whether a view's maps fit into memory, before the work; and the work, with any projector.
+// True if a view's maps fit into memory, asked before the work; and the work, with any projector.
 bool ffp_maps_fit(const FfpGaussians *gaussians, const FfpView *view, FfpDrawing drawing, FfpError *err);
 FfpImages *ffp_maps_draw(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *view,
                          FfpDrawing drawing, FfpMapStats *stats);

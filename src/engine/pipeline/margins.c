@@ -27,7 +27,7 @@ static int clamped(int at, int side) {
     return at < 0 ? 0 : at >= side ? side - 1 : at;
 }
 
-// Whether another view sees the point, or past it.
+// True if another view sees the point, or past it.
 static bool is_seen(const Wide *w, int view, const real point[3]) {
     const FfpInitialisation *start = w->start;
     const size_t area = (size_t)start->width * (size_t)start->height;
@@ -44,7 +44,7 @@ static bool is_seen(const Wide *w, int view, const real point[3]) {
     return false;
 }
 
-// Whether an earlier view's margin has the point, or what hides it.
+// True if an earlier view's margin has the point, or what hides it.
 static bool is_taken(const Wide *w, const FfpInitialisation *out, int view, const real point[3]) {
     for (int v = 0; v < view; v++) {
         const FfpCamera *camera = &w->capture->views[v].camera;

@@ -1,4 +1,4 @@
-// What lies just outside the frames of a whole scene's cameras.
+// Margins just outside the frames of a whole scene's cameras.
 #ifndef FFP_PIPELINE_MARGINS_H
 #define FFP_PIPELINE_MARGINS_H
 

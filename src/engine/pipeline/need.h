@@ -12,8 +12,8 @@ typedef struct FfpProblemSize {
     int photographs;               // of a view: black, white and the patterns used
     double pattern;                // pixels of a pattern
     double share;                  // of the pixels that show the object
-    bool scene;                    // whether it is of a whole scene
-    bool denoise, polish;          // whether noise is filtered, and whether the splats are fitted
+    bool scene;                    // it is of a whole scene
+    bool denoise, polish;          // noise is filtered; the splats are fitted
     int samples;                   // per side of a pixel, while fitting
     int threads;                   // that match views at the same time
     const FfpModelConfig *network; // NULL: the classical initialisation alone

@@ -31,7 +31,7 @@ static inline const FfpView *ffp_picture_view(const FfpPictureJob *job, int v) {
     return job->own ? &job->own[v] : job->views[v];
 }
 
-// Whether pictures are frames with numbers, in place of names.
+// True if pictures are frames with numbers, in place of names.
 static inline bool ffp_is_sequence(const FfpPictures *options) {
     return options->orbit != FFP_ORBIT_NONE || options->video;
 }

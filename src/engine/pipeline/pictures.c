@@ -100,7 +100,7 @@ static bool write_maps(Writer *writer, const FfpView *view, FfpError *err) {
     return ok;
 }
 
-// What was drawn last, under a pattern.
+// The view drawn last, under a pattern.
 static FfpImage relit(const Writer *writer, int pattern) {
     FfpSummed summed = ffp_summed_new(&writer->job->patterns[pattern].image);
     FfpImage picture = ffp_relight(writer->pass, writer->job->intensity, &summed);

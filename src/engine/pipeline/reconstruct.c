@@ -32,7 +32,7 @@ _Static_assert(FFP_POLISH_STEPS == FFP_POLISH_DEFAULT_STEPS, "one number, in two
 #define SPLATS_ALL 200000  // that are kept where nobody says how many,
 #define LAYERS_OF_MORE 2   // and of more
 
-// What a reconstruction passes on from step to step.
+// The state that a reconstruction passes from step to step.
 typedef struct Work {
     FfpCapture capture; // normalised, its photographs without noise
     FfpCapture padded;  // the same with views of one size, of whole patches: for matching and the network
@@ -126,7 +126,7 @@ static int64_t polish_steps(const FfpReconstruction *options, const FfpCapture *
     return (capture->scene ? 2 : 1) * FFP_POLISH_STEPS * views / POLISH_VIEWS;
 }
 
-// What a fit has moved onto the background of views would be seen beside the object from elsewhere.
+// Splats that a fit has moved onto the background of views would be seen beside the object from elsewhere.
 static void keep_to_silhouettes(Work *w) {
     if (!w->capture.scene)
         ffp_prune_off_silhouettes(w->result.opacity, w->result.centre, w->result.count, &w->capture);
@@ -248,7 +248,7 @@ static bool predict_and_polish(Work *w, const FfpReconstruction *options, FfpRec
     return true;
 }
 
-// What nobody can see, nobody should be led to believe.
+// Nobody should be led to believe in surfaces that no view sees.
 static void warn_of_gaps(const FfpCapture *capture) {
     if (capture->scene && capture->n_views < FEW_VIEWS)
         ffp_note(

@@ -19,7 +19,7 @@ FfpGaussians *ffp_reconstruction_run(const FfpCapture *capture, const FfpReconst
 bool ffp_reconstruction_score(const FfpGaussians *gaussians, const FfpCapture *capture,
                               const FfpReconstruction *options, FfpReconstructionStats *stats, FfpError *err);
 
-// What the network of options->model sees of the capture, on the CPU: after the same steps as above, up to
+// The inputs of options->model's network from the capture, on the CPU: after the same steps as above, up to
 // the forward pass. Release with ffp_prepared_free.
 FfpPrepared *ffp_reconstruction_inputs(const FfpCapture *capture, const FfpReconstruction *options,
                                        FfpError *err);

@@ -108,8 +108,7 @@ static void multiply(const real a[4], const real b[4], bool inverse, real out[4]
     out[3] = a[0] * z + a[1] * y - a[2] * x + a[3] * w;
 }
 
-// What has changed: differences of places, of logarithms of sizes and of logits, and turns, in Gaussians'
-// shape.
+// The changes: differences of places, of logarithms of sizes and of logits, and turns, in Gaussians' shape.
 static FfpGaussians changes(const FfpGaussians *after, const FfpGaussians *before) {
     FfpGaussians d = ffp_gaussians_new(after->count);
 #pragma omp parallel for schedule(static)

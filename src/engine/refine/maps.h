@@ -98,7 +98,7 @@ FFP_FORMULA real ffp_roughness_slope(real roughness) {
            ffp_number_sigmoid_slope((roughness - FFP_ROUGHNESS_FLOOR) / (1 - FFP_ROUGHNESS_FLOOR));
 }
 
-// What ffp_decode_frame made, in place; d is what ffp_decode gave.
+// Pulls back the gradient of ffp_decode_frame's result, in place; d is the result of ffp_decode.
 FFP_FORMULA void ffp_pull_back_frame(const FfpParameters *p, const FfpGaussians *d, int64_t i,
                                      const FfpGaussians *grad) {
     real m[9], world[3];

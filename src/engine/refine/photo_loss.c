@@ -190,7 +190,7 @@ static int code_in_turn(const FfpPhotoLoss *v, const FfpFitView *l) {
     return p;
 }
 
-// What a picture's terms weigh. A code takes its share from the other lit pictures: with less weight on
+// The weight of a picture's terms. A code takes its share from the other lit pictures: with less weight on
 // black, ambient colour would begin to explain the light that bounces.
 static real share_of(const FfpPhotoLoss *v, int p, int shown, int code) {
     const real each = 1 / (real)shown;

@@ -12,7 +12,7 @@ typedef struct Window {
     int x0, y0, x1, y1; // the last ones not included
 } Window;
 
-// What of the frame holds anything of the object, with a margin; a pixel of it where nothing does.
+// The part of the frame that holds the object, with a margin; one pixel if nothing does.
 static Window object_window(const FfpView *view) {
     const FfpImage *coverage = &view->coverage;
     Window w = {coverage->width, coverage->height, 0, 0};

@@ -292,9 +292,9 @@ static bool mean_is_due(const Fit *fit) {
     return fit->averaged > 0 && fit->rounds > 0 && fit->best_round + 1 >= fit->rounds;
 }
 
-// What the fit returns: the mean, the best round's state, or `before`, of which nothing is copied. Rounds'
-// own figures, which are of states on the way, tell when the mean has clearly gained; otherwise all are
-// judged.
+// Chooses the fit's result: the mean, the best round's state, or `before`, of which nothing is copied.
+// Rounds' own figures, which are of states on the way, tell when the mean has clearly gained; otherwise all
+// are judged.
 static bool choose(Fit *fit, const FfpGaussians *before) {
     const bool clear = fit->settings->growth || fit->best_psnr > fit->first_psnr + CLEAR_GAIN;
     FfpGaussians mean = {0};

@@ -85,7 +85,7 @@ static void thinning_free(Thinning *t) {
     ffp_free(t->kept);
 }
 
-// Whether splat `a` lies on the surface that splat `b` is a piece of.
+// True if splat `a` lies on the surface that splat `b` is a piece of.
 static bool same_surface(const Thinning *t, int64_t a, int64_t b) {
     const real *p = t->gaussians->centre + 3 * a, *q = t->gaussians->centre + 3 * b;
     const Piece *piece = &t->pieces[b];
@@ -96,7 +96,7 @@ static bool same_surface(const Thinning *t, int64_t a, int64_t b) {
 
 // --- Views with one camera. ---
 
-// What a pixel and the same pixel of another view both have: one of them goes.
+// Drops one of two splats of the same pixel in two views.
 static void drop_repeated(Thinning *t, const real *trust, int first, int second) {
 #pragma omp parallel for schedule(static)
     for (int64_t p = 0; p < t->area; p++) {

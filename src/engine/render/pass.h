@@ -28,7 +28,7 @@ void ffp_view_pass_draw(FfpViewPass *pass, const FfpGaussians *gaussians, const 
 // The next draws see light by this shadow map, as it was drawn for the same projector before; if its size is
 // 0, the next draw fills it (the caller's to free by ffp_gbuffer_free). NULL: every draw makes its own.
 void ffp_view_pass_keep_shadow(FfpViewPass *pass, FfpGbuffer *shadow);
-// What was drawn, [height,width] of the camera: means over each pixel's samples of the raw sums.
+// The drawn maps, [height,width] of the camera: means over each pixel's samples of the raw sums.
 const FfpGbuffer *ffp_view_pass_gbuffer(FfpViewPass *pass);
 FfpImage ffp_view_pass_picture_new(const FfpViewPass *pass); // black, of the size of the view drawn last
 // The picture under a pattern (NULL: black): sRGB-encoded, in [0,1], [height,width,3].

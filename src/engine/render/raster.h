@@ -22,7 +22,7 @@ typedef struct FfpSplat {
     int32_t x0, y0, x1, y1;   // pixels it may touch, end exclusive
 } FfpSplat;
 
-// What one tile gives to a splat's gradient. With dL/dsigma = g at each pixel, sigma = -log(density /
+// One tile's contribution to a splat's gradient. With dL/dsigma = g at each pixel, sigma = -log(density /
 // opacity): the sums of g, g dx, g dy, g dx^2, g dx dy, g dy^2; and of w dL/d(channel). Channel 0 is
 // constant.
 typedef struct FfpSplatGrad {

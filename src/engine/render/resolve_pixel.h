@@ -18,7 +18,7 @@ FFP_FORMULA real ffp_sample_mean(const real *first, ptrdiff_t stride, int channe
     return 1 / (real)(side * side) * sum;
 }
 
-// Whether the opacity says how much of the pixel is covered.
+// True if the opacity says how much of the pixel is covered.
 FFP_FORMULA bool ffp_tells_coverage(real opacity, int side) {
     return (side > 1) & (opacity >= FFP_OPACITY_MIN);
 }

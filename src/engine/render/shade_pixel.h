@@ -45,12 +45,12 @@ typedef struct FfpLitView {
     real even; // FfpMapping.even
 } FfpLitView;
 
-// What a pixel of the G-buffer and the mapping tells; its gradient likewise.
+// The values of a pixel of the G-buffer and the mapping; its gradient likewise.
 typedef struct FfpSums {
     real opacity, depth, normal[3], albedo[3], roughness, visibility;
 } FfpSums;
 
-// What becomes of the light at a pixel (FfpTransport); its gradient likewise.
+// The light's transport at a pixel (FfpTransport); its gradient likewise.
 typedef struct FfpArrival {
     real factor[3], uv[2];
 } FfpArrival;
@@ -77,9 +77,9 @@ FFP_FORMULA real ffp_unit3(real a[3]) {
     return length;
 }
 
-// Pixel (x, y) and the way of the light there. What is not `lit`, no projector light reaches the camera from:
-// only the ambient colour counts there, and the other numbers may be none. No branches: the CPU takes a
-// vector of pixels at a time.
+// Pixel (x, y) and the way of the light there. From a pixel that is not `lit` no projector light reaches the
+// camera: only the ambient colour counts there, and the other numbers may not be finite. No branches: the CPU
+// takes a vector of pixels at a time.
 FFP_FORMULA void ffp_lit_geometry(const FfpLitView *view, int x, int y, const FfpSums *g, FfpLit *s,
                                   real uv[2]) {
     const real visibility = g->visibility;
@@ -242,14 +242,14 @@ FFP_FORMULA ptrdiff_t ffp_sample_of(const FfpPatternLight *light, int x, int y, 
     return ((ptrdiff_t)y * side + i / side) * light->transport->width + x * side + i % side;
 }
 
-// Whether the sample shows anything of the pattern.
+// True if the sample shows anything of the pattern.
 FFP_FORMULA bool ffp_sample_lit(const FfpPatternLight *light, ptrdiff_t sample) {
     const real *factor = light->transport->factor + 3 * sample;
     return light->pattern && (factor[0] != 0 || factor[1] != 0 || factor[2] != 0);
 }
 
-// What a lit sample sees of the pattern: mean colour, and how it changes with u and v, three numbers each.
-// Plain patterns are looked at again rather than kept.
+// A lit sample's look at the pattern: mean colour, and how it changes with u and v, three numbers each. Plain
+// patterns are looked at again rather than kept.
 FFP_FORMULA bool ffp_keeps_lookup(const FfpPatternLight *light) {
     return light->transport->look && !light->pattern->plain;
 }

@@ -207,7 +207,7 @@ static void hold_looks(FfpFieldChunk *c, const FfpNeuralField *field, const FfpF
 }
 
 // Normals of the density: against the slope of what a step's length of it holds back, by differences between
-// four corners of a tetrahedron around the surface. What the looks use is free for it before them.
+// four corners of a tetrahedron around the surface. The memory of the looks is free for it before them.
 static void hold_normals(FfpFieldChunk *c, const FfpNeuralField *field) {
     static const real corner[4][3] = {{1, -1, -1}, {-1, -1, 1}, {-1, 1, -1}, {1, 1, 1}};
     const FfpFieldKernels *k = ffp_field_kernels();

@@ -21,7 +21,7 @@ typedef struct FfpFieldPattern {
     real colour[3]; // of a flat one
 } FfpFieldPattern;
 
-// What all chunks see.
+// The scene that all chunks see.
 typedef struct FfpFieldScene {
     const FfpCapture *capture;
     const int *chosen; // [n_patterns] indices into the capture's
@@ -77,8 +77,7 @@ void ffp_field_chunk_place(FfpFieldChunk *chunk, const FfpChunkRay *ray); // pos
 void ffp_field_chunk_see(FfpFieldChunk *chunk, const FfpNeuralField *field, const real lamp[3]);
 // Runs geometry and material, and the visibility network where there are looks.
 void ffp_field_chunk_forward(FfpFieldChunk *chunk, const FfpNeuralField *field);
-// What is held for the step: weights, surfaces, visibilities and what they ought to be, the density's
-// normals.
+// Values held for the step: weights, surfaces, visibilities and what they ought to be, the density's normals.
 void ffp_field_chunk_hold(FfpFieldChunk *chunk, const FfpNeuralField *field, const FfpFieldScene *scene,
                           FfpRng *rng);
 // The loss, each ray's part times `per_ray`, and its gradient in d_geometry, d_material and d_look. Patterns

@@ -42,7 +42,7 @@ static void note(void *state, const FfpGaussians *gaussians, const FfpGaussians 
     }
 }
 
-// What becomes of each Gaussian: where the rows of the next set come from.
+// The fate of each Gaussian: where the rows of the next set come from.
 typedef struct Plan {
     int64_t *from; // [count] rows of the old set
     bool *halved;  // [count] this row is one half of a split

@@ -26,7 +26,7 @@ enum {
     FFP_FIELD_CELLS = 128,     // of the density's grid, a side
 };
 
-// What the networks put out, before sigmoid and the like (light.h).
+// The networks' outputs, before sigmoid and the like (light.h).
 enum { FFP_GEOMETRY_DENSITY, FFP_GEOMETRY_NORMAL, FFP_GEOMETRY_OUTPUTS = 4 };
 enum { FFP_MATERIAL_ALBEDO, FFP_MATERIAL_ROUGHNESS = 3, FFP_MATERIAL_AMBIENT = 4, FFP_MATERIAL_OUTPUTS = 7 };
 

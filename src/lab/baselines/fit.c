@@ -179,7 +179,7 @@ static bool check_numbers(const Fit *fit, FfpError *err) {
            ffp_fail(err, FFP_ERROR_ARGUMENT, fit->scene.capture->folder, "the loss is no longer finite");
 }
 
-// What the last steps came to. The pixels that no ray is drawn from are black in the photographs and in the
+// Reports on the last steps. The pixels that no ray is drawn from are black in the photographs and in the
 // field alike, so they lower the mean.
 static bool tell(Fit *fit, FfpError *err) {
     char extra[128];
@@ -235,7 +235,7 @@ static uint64_t hash_fit(const FfpCapture *capture, const int *patterns, int n_p
     return sum;
 }
 
-// What is fitted to what, and how long.
+// The name of a fit: its field, its pictures, its length.
 static char *name_fit(const FfpCapture *capture, const int *patterns, int n_patterns,
                       const FfpFieldSettings *s) {
     const FfpCapture *source = s->source ? s->source : capture;

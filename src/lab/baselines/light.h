@@ -22,7 +22,7 @@ FFP_FORMULA real ffp_field_density(real raw) {
     return exp(raw < FFP_FIELD_LOG_MAX ? raw : FFP_FIELD_LOG_MAX);
 }
 
-// What the networks say of one point; rows of their outputs are `stride` apart.
+// The networks' outputs for one point; rows of their outputs are `stride` apart.
 typedef struct FfpFieldPoint {
     real normal[3], length; // unit; of the vector that it was before
     real albedo[3], roughness, ambient[3];

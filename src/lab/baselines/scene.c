@@ -1,4 +1,4 @@
-// What the rays of a fit are drawn from, and the patterns that they are lit by.
+// The pixels that the rays of a fit are drawn from, and the patterns that light them.
 #include <tgmath.h>
 #include "core/base/alloc.h"
 #include "lab/baselines/chunk.h"

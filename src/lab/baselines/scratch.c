@@ -59,7 +59,7 @@ FfpScratchSettings ffp_scratch_defaults(bool released) {
     };
 }
 
-// Whether no view that has the point in its picture sees past it.
+// True if no view that has the point in its picture sees past it.
 static bool in_hull(const FfpCapture *capture, const real point[3]) {
     int seen = 0;
     for (int v = 0; v < capture->n_views; v++) {

@@ -38,8 +38,8 @@ void ffp_bench_add(FfpBenchTable *table, const FfpBenchRow *row);
 // Share of the peak that bounds the row, 0..1.
 double ffp_bench_share(const FfpBenchRow *row, const FfpPeaks *peaks);
 
-// What all rows are read from: by default ffp_seconds. bench/kernel_counts.c puts a counter of instructions
-// in its place, which is exact: there is one run of everything then, of one set of splats.
+// The clock of all rows: by default ffp_seconds. bench/kernel_counts.c puts a counter of instructions in its
+// place, which is exact: there is one run of everything then, of one set of splats.
 typedef struct FfpBenchClock {
     double (*now)(void);
     bool exact;

@@ -87,7 +87,7 @@ FfpGaussians ffp_bench_splats(int side, real opacity, real size) {
     return g;
 }
 
-// What a view's passes read and write.
+// Inputs and outputs of a view's passes.
 typedef struct Bench {
     const FfpGaussians *gaussians;
     FfpGaussians grad;

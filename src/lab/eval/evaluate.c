@@ -135,7 +135,7 @@ static void report_shown_pattern(FfpSubject *subject, const FfpPattern *pattern,
     if (subject->has_targets) report_relit_views(subject, &subject->targets, summed);
 }
 
-// What the page begins with: large pictures under the pattern that is to be shown, otherwise under the one
+// The beginning of the page: large pictures under the pattern that is to be shown, otherwise under the one
 // that the reconstruction was made from.
 static bool report_pictures(FfpSubject *subject, FfpError *err) {
     const char *path = subject->shared->options->show_pattern;
@@ -486,7 +486,7 @@ static bool evaluate_and_write(FfpEvaluating *shared, FfpError *err) {
     return ok;
 }
 
-// What is evaluated, as JSON and report call it.
+// The evaluated predictor's name in JSON and report.
 static const char *predictor_name(const FfpEvaluation *options) {
     if (options->model_name) return options->model_name;
     if (options->predictor == FFP_PREDICT_DEPTH) return "pattern lookup at the true depth";

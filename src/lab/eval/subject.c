@@ -1,4 +1,4 @@
-// What draws a subject's pictures: Gaussians or a neural field.
+// Drawing of a subject's pictures: Gaussians or a neural field.
 #include "lab/eval/subject.h"
 #include "core/base/alloc.h"
 

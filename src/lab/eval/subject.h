@@ -37,10 +37,10 @@ typedef struct FfpSubject { // one capture under evaluation
     char folder[FFP_PATH_MAX];    // where predictions are saved
 } FfpSubject;
 
-// Whether the predictor was given the photographs under a pattern.
+// True if the predictor was given the photographs under a pattern.
 bool ffp_subject_given(const FfpSubject *subject, int pattern);
 
-// Whether there are Gaussians or a field to draw: ffp_subject_draw then draws a view, which can be shaded
+// True if there are Gaussians or a field to draw: ffp_subject_draw then draws a view, which can be shaded
 // under a pattern, rounded to 8 bits, or returned as a G-buffer, valid until the next.
 bool ffp_subject_draws(const FfpSubject *subject);
 void ffp_subject_draw(FfpSubject *subject, const FfpCamera *camera, const FfpCamera *projector);

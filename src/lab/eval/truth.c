@@ -1,4 +1,4 @@
-// What the Gaussians hold against what the capture knows: depth and albedo of the input views.
+// The Gaussians compared with the capture's ground truth: depth and albedo of the input views.
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "core/numerics/rank.h"

@@ -9,7 +9,7 @@
 #include "product/api/arguments.h"
 #include "product/api/memory.h"
 
-// What the manifest points to as long as it lives.
+// The texts that the manifest points to as long as it lives.
 typedef struct Sources {
     FfpManifest manifest;
     FfpArena *arena;

@@ -1,4 +1,4 @@
-// What is wrong with a capture; findings as JSON.
+// Findings about a capture, and findings as JSON.
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>

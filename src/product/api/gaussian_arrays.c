@@ -16,7 +16,7 @@ FfpGaussianArrays ffp_gaussians_arrays(FfpGaussians *gaussians) {
                                gaussians->roughness, gaussians->ambient};
 }
 
-// What the caller's numbers may be, and where they are.
+// The range of the caller's numbers, and their place.
 typedef struct Range {
     const float *from;
     double low, high;

@@ -22,7 +22,7 @@ static FfpSensor sensor_of(const FfpSensorFaults *faults) {
                        .shift_error = (float)faults->shift_error};
 }
 
-// What a caller in C may pass though the type says otherwise.
+// Checks for values that a caller in C may pass though the type says otherwise.
 static bool check_choices(const FfpGeneration *options, FfpError *err) {
     if ((unsigned)options->split > FFP_SPLIT_TEST)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "split", "invalid value %d", (int)options->split);

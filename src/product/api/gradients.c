@@ -69,7 +69,7 @@ static bool check_same(const FfpBatch *batch, const FfpRenderBatch *b, const Ffp
            check_pattern_size(last.pattern_width, last.pattern_height, projector, "same_patterns", err);
 }
 
-// Job and batch are checked. What the batch holds afterwards is the handle's.
+// Job and batch are checked. The handle owns the contents of the batch afterwards.
 static bool draw(const ForwardCall *call, FfpBatchJob *job, FfpImage *patterns, FfpCamera *devices,
                  FfpError *err) {
     const FfpRenderBatch *b = call->given;

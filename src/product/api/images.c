@@ -1,4 +1,4 @@
-// What is in a list of images.
+// The contents of a list of images.
 #include <string.h>
 #include "core/image/named.h"
 #include "ffprocams.h"

@@ -8,7 +8,7 @@ FfpImport ffp_import_defaults(void) {
     return (FfpImport){.kept_codes = 8};
 }
 
-// What a caller in C may pass though the type says otherwise.
+// Checks for values that a caller in C may pass though the type says otherwise.
 static bool check_choices(const FfpImport *options, FfpError *err) {
     if ((unsigned)options->masks > FFP_MASKS_FROM_FILES)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "masks", "invalid value %d", (int)options->masks);

@@ -1,4 +1,4 @@
-// What a file holds.
+// Descriptions of files.
 #include "core/base/call.h"
 #include "core/base/text.h"
 #include "ffprocams.h"

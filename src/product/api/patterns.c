@@ -1,4 +1,4 @@
-// What a projector shows while it is photographed.
+// Patterns that a projector shows while it is photographed.
 #include "core/patterns/patterns.h"
 #include "core/base/call.h"
 #include "ffprocams.h"

@@ -36,7 +36,7 @@ static void put_words(const FfpWord *words, FILE *out) {
     fputs("'", out);
 }
 
-// What may stand behind an option.
+// Completion of an option's value.
 static void put_value(const char *command, const FfpOption *option, FILE *out) {
     const bool folder = option->type == FFP_OPTION_FOLDER, file = option->type == FFP_OPTION_FILE;
     if (option->type == FFP_OPTION_FLAG) return;

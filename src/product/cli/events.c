@@ -1,4 +1,4 @@
-// What happens, as lines of JSON for a program that runs this one: --events.
+// Events as lines of JSON for a program that runs this one: --events.
 #include <fcntl.h>
 #include <jansson.h>
 #include <stdio.h>

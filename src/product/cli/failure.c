@@ -1,4 +1,4 @@
-// What is said when a command cannot go on.
+// Messages of a command that cannot go on.
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>

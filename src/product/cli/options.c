@@ -340,7 +340,7 @@ static bool is_seen(const FfpCommand *command, const bool *seen, const char *nam
     return false;
 }
 
-// What says nothing is a mistake too.
+// Options that need or exclude others.
 static int check_together(const FfpCommand *command, const bool *seen) {
     for (int i = 0; command->options[i].name; i++) {
         const FfpOption *option = &command->options[i];

@@ -1,4 +1,4 @@
-// What a command is about to write, held against what it reads.
+// A command's outputs, compared with its inputs before it writes.
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>

@@ -49,7 +49,7 @@ static long own_threads(void) {
     return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : sysconf(_SC_NPROCESSORS_ONLN);
 }
 
-// Whether others want the processors that the threads would fill. Looks more than once: who works may be
+// True if others want the processors that the threads would fill. Looks more than once: who works may be
 // waiting for something just then.
 static bool is_busy(void) {
     const long processors = sysconf(_SC_NPROCESSORS_ONLN), threads = own_threads();

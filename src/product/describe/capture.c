@@ -1,4 +1,4 @@
-// What a capture holds, and whether it can be reconstructed well.
+// The contents of a capture, and whether it can be reconstructed well.
 #include "core/capture/capture.h"
 #include <math.h>
 #include <stdio.h>
@@ -92,7 +92,7 @@ static int views_under(const FfpCapture *capture, int pattern) {
     return count;
 }
 
-// What a reconstruction takes by itself, and what else it could be given.
+// The patterns that a reconstruction takes by default, and those that it could be given.
 static void print_structured_light(FILE *out, const FfpCapture *capture) {
     const int active = ffp_capture_active_pattern(capture, NULL, NULL);
     fputs("\nreconstructs from ", out);

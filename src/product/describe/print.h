@@ -1,4 +1,4 @@
-// What is printed of a capture that has been read.
+// The printed description of a capture that has been read.
 #ifndef FFP_DESCRIBE_PRINT_H
 #define FFP_DESCRIBE_PRINT_H
 

@@ -31,7 +31,7 @@ static void put_u16(unsigned char *bytes, int value) {
     bytes[1] = (unsigned char)(value >> 8);
 }
 
-// What a file's header at its data and that in the list at the end have in common, from the version on.
+// The common part of a file's header at its data and that in the list at the end, from the version on.
 static void put_common(unsigned char bytes[26], const FfpArchived *file) {
     memset(bytes, 0, 26);
     put_u16(bytes, ZIP_2_0);

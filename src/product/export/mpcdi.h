@@ -23,7 +23,7 @@ typedef struct FfpMpcdi {
     int n_files;
 } FfpMpcdi;
 
-// Whether an archive can hold the warps of these views: it ends at 4 GB.
+// True if an archive can hold the warps of these views: it ends at 4 GB.
 bool ffp_mpcdi_holds(const FfpView *const *views, int n_views);
 bool ffp_mpcdi_open(FfpMpcdi *mpcdi, const char *path, FfpError *err);
 // A region: the view's projector, named as the view, which stays the caller's until the commit. `map`:

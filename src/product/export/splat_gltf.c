@@ -25,7 +25,7 @@ static int add_harmonics(FfpGltf *gltf, const FfpSplats *splats) {
     return accessor;
 }
 
-// What shows without the extension: linear colour in [0,1], and the opacity.
+// The look without the extension: linear colour in [0,1], and the opacity.
 static int add_fallback(FfpGltf *gltf, const FfpSplats *splats) {
     real *numbers = ffp_alloc(4 * (size_t)splats->count + 1, sizeof *numbers);
     for (int64_t i = 0; i < splats->count; i++) {

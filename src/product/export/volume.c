@@ -105,7 +105,7 @@ static void point_at(const FfpVolume *volume, size_t i, real point[3]) {
     for (int k = 0; k < 3; k++) point[k] = volume->low[k] + (real)at[k] * volume->cell;
 }
 
-// What the looks so far say of a point.
+// The evidence of the looks so far on a point.
 typedef struct Fused {
     real sum, weight; // of how far before the surface it lies, in truncations
     int held;         // pictures that hold the point

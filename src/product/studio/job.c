@@ -205,7 +205,7 @@ static void listen_to(FfpStudio *studio, FfpStudioJob *job, const int from[PIPES
     free(lines);
 }
 
-// Whether it ended well. Called and left with the lock.
+// Runs the current command; true if it ended well. Called and left with the lock.
 static bool run_command(FfpStudio *studio, FfpStudioJob *job) {
     char *typed = ffp_studio_typed(&job->commands[job->current]), line[64];
     int status = 0;

@@ -1,5 +1,5 @@
-// What the bytes of a photograph say of themselves, before they are kept: a browser, a camera's program or
-// anybody who has the address may have sent them.
+// Checks of a photograph's bytes before they are kept: a browser, a camera's program or anybody who has the
+// address may have sent them.
 #include <string.h>
 #include "work.h"
 

@@ -21,7 +21,7 @@
 #define UPLOADS_MOST ((size_t)1 << 27)           // of all bodies that are on their way
 enum { CONNECTIONS_MOST = 2000, PATIENCE = 15 }; // seconds
 
-// What the page may load and do; the viewer, a page of its own, sits in a frame.
+// Permissions of the page to load and run things; the viewer, a page of its own, sits in a frame.
 static const char policy[] = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
                              "img-src 'self' blob: data:; media-src blob: mediastream:; connect-src 'self'; "
                              "frame-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
@@ -103,7 +103,7 @@ static const char *behind_key(const FfpStudio *studio, const char *url) {
     return differs == 0 && url[0] == '/' && url[length + 1] == '/' ? url + length + 2 : NULL;
 }
 
-// What is wrong with a request; NULL: nothing.
+// The fault of a request; NULL: none.
 static const char *refusal(const FfpStudio *studio, struct MHD_Connection *connection, const char *url,
                            bool changes) {
     const char *origin = header(connection, "Origin"), *site = header(connection, "Sec-Fetch-Site");

@@ -42,7 +42,7 @@ bool ffp_studio_save(FfpStudio *studio, char said[FFP_STUDIO_SAID]) {
            ffp_studio_say(said, "studio.json cannot be written: %s", text ? strerror(errno) : "no memory");
 }
 
-// What another program, or an unlucky hand, left in the file ends the start, not the session.
+// Faults that another program, or an unlucky hand, left in the file end the start, not the session.
 static const char *wrong_field(const json_t *s) {
     static const struct {
         const char *name;
@@ -174,7 +174,7 @@ static json_t *patterns_state(const FfpStudio *studio) {
     return patterns;
 }
 
-// What takes long to look up where there are many objects.
+// The part of the state that takes long to look up if there are many objects.
 static json_t *listed_state(const FfpStudio *studio) {
     return json_pack("{s:o, s:o, s:o, s:b, s:b, s:b}", "patterns", patterns_state(studio), "sets",
                      sets_state(studio, NULL), "objects", objects_state(studio), "calibrated",

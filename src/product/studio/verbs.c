@@ -1,4 +1,4 @@
-// What the page asks for. Everything is checked before anything changes, and on disk before it is answered.
+// The page's requests. Everything is checked before anything changes, and on disk before it is answered.
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <math.h>
@@ -93,7 +93,7 @@ static bool check_setting(FfpStudio *studio, const char *name, const json_t *val
     return say(said, name, "there is no such setting");
 }
 
-// What patterns and photographs on disk depend on.
+// True for a new value of a setting that patterns and photographs on disk depend on.
 static bool is_held(const FfpStudio *studio, const char *name, const json_t *value) {
     const bool holds = strcmp(name, "projector") == 0 || strcmp(name, "lollipops") == 0 ||
                        strcmp(name, "without_board") == 0;

@@ -1,4 +1,4 @@
-// What the files of this room share.
+// Common declarations of this room's files.
 #ifndef FFP_STUDIO_WORK_H
 #define FFP_STUDIO_WORK_H
 
@@ -135,15 +135,15 @@ int ffp_studio_set_names(const FfpStudio *studio, const char *object, char names
                          int most);
 // "004_gray_x_00.png": its number; 0: of the chart to focus by and of any other file.
 int ffp_studio_pattern_number(const char *file);
-// What the file of a pattern is called for, "lollipop_0" of "patterns/003_lollipop_0.png", in `size` bytes;
-// the user's own picture: "own".
+// The pattern that a file is named for, "lollipop_0" of "patterns/003_lollipop_0.png", in `size` bytes; the
+// user's own picture: "own".
 void ffp_studio_pattern_name(const char *file, char *name, size_t size);
 // The rig is calibrated from the codes on each object; its views are called as the folders of its stops.
 bool ffp_studio_without_board(const FfpStudio *studio);
 // The angle of the stop that a folder of an object is called for, "view-045"; -1: none.
 double ffp_studio_stop_angle(const json_t *object, const char *folder);
 
-// What studio.json says of objects/NAME/now; false: nothing, or nothing of this object.
+// The entry of objects/NAME/now in studio.json; false: none, or none of this object.
 #define FFP_STUDIO_VIEW "view-" // before the angle in the name of a stop's folder, as `generate` calls it
 enum { FFP_STUDIO_OWN = 999 };  // number of the photograph under a picture of the user's
 typedef struct FfpStudioTrial {
@@ -162,7 +162,7 @@ json_t *ffp_studio_object(const FfpStudio *studio, const char *name); // borrowe
 
 // --- Pictures that come from outside (picture.c). ---
 
-// What a PNG or JPEG says of itself; false: neither, or not whole. ending: "png" or "jpg".
+// Size and format of a PNG or JPEG; false: neither, or not whole. ending: "png" or "jpg".
 bool ffp_studio_picture(const unsigned char *bytes, size_t size, int *width, int *height,
                         const char **ending);
 

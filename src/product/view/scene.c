@@ -1,4 +1,4 @@
-// What the page has to know, as JSON, and the pictures that go with it.
+// The page's scene as JSON, and the pictures that go with it.
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -115,7 +115,7 @@ static void check_rig(FfpFindings *found, const FfpCapture *capture, const FfpCa
 
 // --- The pattern. ---
 
-// What people do, where it explains the pictures. False: it does.
+// Tries people's mistakes; false if one explains the pictures.
 static bool try_hypotheses(FfpFindings *found, const FfpCapture *capture, int active) {
     FfpSummed pattern = ffp_summed_new(&capture->patterns[active].image);
     FfpCase c = {.capture = capture, .active = active, .pattern = &pattern, .view = -1};

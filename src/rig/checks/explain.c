@@ -100,7 +100,8 @@ static int collect(const FfpCapture *capture, const FfpView *view, const FfpImag
     return count;
 }
 
-// What a constant explains. With correspondences it stands for chance: stripes may look the same elsewhere.
+// Explains the samples by a constant. With correspondences it stands for chance: stripes may look the same
+// elsewhere.
 static void set_usual(Sample *samples, int n) {
     double sum[3] = {0};
     for (int i = 0; i < n; i++)
@@ -284,7 +285,7 @@ static void reverse_channels(Sample *sample) {
     sample->colour[2] = red;
 }
 
-// What a flawless photograph shows of a surface in the middle of the chord.
+// A flawless photograph's colour of a surface in the middle of the chord.
 static void idealise(const FfpView *view, const FfpSummed *pattern, real side, Sample *sample) {
     real point[3], u, v;
     ffp_chord_point(&sample->chord, 0, 1, point);

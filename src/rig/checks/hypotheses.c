@@ -120,7 +120,7 @@ static double light_in(const Trial *t, const FfpCase *c) {
     return error;
 }
 
-// Whether structured light explains a view as well or better once the mishap is undone: of objects that are
+// True if structured light explains a view as well or better once the mishap is undone: of objects that are
 // nearly symmetric, silhouettes alone would accept a mirrored view for a wrong mask.
 static bool light_agrees(const FfpCase *c, int view, Mishap mishap) {
     if (c->active < 0) return true;
@@ -200,7 +200,7 @@ static bool suppose_camera_size(Trial *t, const FfpCase *c, int variant) {
     return true;
 }
 
-// Whether structured light explains the views clearly better in that size: masks that are wrong fit some
+// True if structured light explains the views clearly better in that size: masks that are wrong fit some
 // sizes better, too.
 static bool size_agrees(const FfpCase *c, int variant) {
     if (c->active < 0) return true;
@@ -396,7 +396,7 @@ static bool suppose_photograph(Trial *t, const FfpCase *c, int variant) {
     return photograph->width == camera->width && photograph->height == camera->height;
 }
 
-// Whether the odd view's photograph fits there, as it does where the two are exchanged: of an object that
+// True if the odd view's photograph fits there, as it does where the two are exchanged: of an object that
 // looks alike from both, the other's may fit here by its shape alone, whatever is wrong with the odd one.
 static bool photograph_agrees(const FfpCase *c, int variant) {
     const FfpGuess guess = {.photograph = &c->capture->views[c->view].images[c->active],
@@ -435,7 +435,7 @@ static const struct Hypothesis {
 
 // --- The loop. ---
 
-// What a variant leaves of the contradiction; not below `least` or the case's `enough`: INFINITY.
+// The rest of the contradiction that a variant leaves; not below `least` or the case's `enough`: INFINITY.
 static double left_by(const struct Hypothesis *h, const FfpCase *c, int variant, double least) {
     Trial t = trial_new(c->capture, c->active);
     double left = INFINITY;

@@ -1,12 +1,12 @@
-// What people do to photographs and calibrations, tried on a capture that contradicts itself: supposed to
-// have happened, it is undone, and what remains of the contradiction is measured again.
+// People's mistakes with photographs and calibrations, tried on a capture that contradicts itself: each
+// is undone as if it had happened, and what remains of the contradiction is measured again.
 #ifndef FFP_RIG_CHECKS_HYPOTHESES_H
 #define FFP_RIG_CHECKS_HYPOTHESES_H
 
 #include "rig/checks/measure.h"
 #include "rig/findings/tell.h"
 
-// What contradicts itself, and how it is measured.
+// The kind of contradiction, and its measure.
 typedef enum FfpEvidence {
     FFP_VIEW_BY_SHAPE,  // one view, by silhouettes
     FFP_VIEWS_BY_SHAPE, // all

@@ -35,7 +35,7 @@ bool ffp_rig_is_darker(const FfpView *view, int a, int b) {
     return darker > DARKER_SHARE * object && brighter < BRIGHTER_MOST * object;
 }
 
-// Whether any point of the pixel's ray within the object's sphere lies in the projector's frustum.
+// True if any point of the pixel's ray within the object's sphere lies in the projector's frustum.
 static bool can_be_lit(const FfpCapture *capture, const FfpView *view, size_t pixel) {
     FfpChord chord;
     const int parts = ffp_chord(capture, &view->camera, pixel, &chord) ? CHORD_PARTS : 0;

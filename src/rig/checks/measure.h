@@ -1,4 +1,4 @@
-// What is measured of a capture: light, frusta, silhouettes, structured light. Nothing is judged here.
+// Measures of a capture: light, frusta, silhouettes, structured light. Nothing is judged here.
 #ifndef FFP_RIG_CHECKS_MEASURE_H
 #define FFP_RIG_CHECKS_MEASURE_H
 
@@ -25,17 +25,17 @@ FfpLights ffp_rig_lights(const FfpCapture *capture, bool reach);
 void ffp_rig_lights_free(FfpLights *lights);
 // Share of the lit pixels that are lit where no light of the projector can be.
 double ffp_rig_unreached(const FfpCapture *capture);
-// Whether a view is darker under pattern a than under b in many of the object's pixels, and brighter in
+// True if a view is darker under pattern a than under b in many of the object's pixels, and brighter in
 // hardly any.
 bool ffp_rig_is_darker(const FfpView *view, int a, int b);
 
-// What the devices see of the object's sphere.
+// The parts of the object's sphere that the devices see.
 typedef struct FfpFrusta {
     double camera, projector; // share of the sphere's surface within the device's field, in the worst view
-    bool ahead;               // whether its centre lies before all of them
+    bool ahead;               // true if its centre lies before all of them
 } FfpFrusta;
 FfpFrusta ffp_rig_frusta(const FfpCapture *capture);
-// Whether that is enough: more than FFP_RIG_CAMERA_LEAST and FFP_RIG_PROJECTOR_LEAST.
+// True if that is enough: more than FFP_RIG_CAMERA_LEAST and FFP_RIG_PROJECTOR_LEAST.
 #define FFP_RIG_CAMERA_LEAST 0.9
 #define FFP_RIG_PROJECTOR_LEAST 0.8
 bool ffp_rig_frusta_hold(FfpFrusta frusta);
@@ -105,7 +105,7 @@ typedef struct FfpExplanation {
 } FfpExplanation;
 FfpExplanation ffp_rig_explain(const FfpCapture *capture, int pattern);
 
-// What might have been photographed.
+// A guess at what was photographed.
 typedef struct FfpGuess {
     const FfpImage *photograph; // under the pattern, of the view's size
     const FfpSummed *pattern;   // that was shown
@@ -117,7 +117,7 @@ typedef struct FfpGuess {
 // The root mean square error of that in one view, of up to 80 of its pixels; NAN if fewer than 16 are lit.
 double ffp_rig_guess(const FfpCapture *capture, const FfpView *view, const FfpGuess *guess);
 
-// Whether the photographs under a pattern can tell right poses from wrong ones. Those of stripes cannot: each
+// True if the photographs under a pattern can tell right poses from wrong ones. Those of stripes cannot: each
 // ray meets all of their colours, wherever the pattern is; unless correspondences say where to look.
 bool ffp_rig_tells(const FfpCapture *capture, int pattern);
 // The error up to which photographs under a pattern that cannot tell may show it.

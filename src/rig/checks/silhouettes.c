@@ -24,7 +24,7 @@ static bool is_background(const FfpImage *coverage, real x, real y) {
     return true;
 }
 
-// Whether no view shows the point as background. If a single one does, it is marked in `deniers` [n_views]
+// True if no view shows the point as background. If a single one does, it is marked in `deniers` [n_views]
 // (NULL: not wanted).
 static bool is_possible(const FfpCapture *capture, const real point[3], unsigned char *deniers) {
     int denier = -1;

@@ -139,7 +139,7 @@ static void corner_offsets(const FfpRigFit *fit, int which, const FfpViews *view
     }
 }
 
-// Whether a corner has a place in the device's fit, or had one until it fell out.
+// True if a corner has a place in the device's fit, or had one until it fell out.
 static bool is_judged(unsigned char state) {
     return state == FFP_CORNER_USED || state == FFP_CORNER_FAR;
 }

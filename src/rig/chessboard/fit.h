@@ -23,7 +23,7 @@ typedef struct FfpRigFit {
 bool ffp_fit_rig(FfpRigFit *fit, FfpError *err);
 
 int ffp_attitudes_used(const FfpRigFit *fit);
-// Whether the projector alone fits far worse than the camera: its own electronics bend its picture.
+// True if the projector alone fits far worse than the camera: its own electronics bend its picture.
 bool ffp_projector_bent(const FfpRigFit *fit);
 
 // The normal of a board as a pinhole of a guessed focal length sees it in pictures of this size. Boards that

@@ -99,7 +99,7 @@ static bool check_plane(const FfpBoard *board, double longest, FfpAttitude *a, P
     return true;
 }
 
-// What is wrong with the codes as a whole.
+// Finds faults of the codes as a whole.
 static void judge(FfpAttitude *a, const int states[FFP_CORNER_STATES], double share, bool mirrored) {
     const int good = states[FFP_CORNER_USED], uneven = states[FFP_CORNER_UNEVEN];
     if (good + uneven < ENOUGH * a->n)

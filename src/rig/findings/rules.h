@@ -1,5 +1,5 @@
-// What can be wrong: one row for each thing, with its words. The rooms that measure name a row and give it
-// numbers and names.
+// The faults: one row for each, with its words. The rooms that measure name a row and give it numbers and
+// names.
 #ifndef FFP_RIG_FINDINGS_RULES_H
 #define FFP_RIG_FINDINGS_RULES_H
 
@@ -81,7 +81,7 @@ typedef enum FfpRuleId {
     FFP_RULE_VIEW_SPOILT,
     FFP_RULE_CHANCE,
     FFP_RULE_NOTE_CHANCE,
-    // What moved.
+    // Things that moved.
     FFP_RULE_SURFACES,
     FFP_RULE_SLIPPED,
     FFP_RULE_SLIPPED_VIEWS,

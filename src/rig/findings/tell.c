@@ -128,7 +128,7 @@ void ffp_findings_merge(FfpFindings *findings) {
             const bool alike = k != i && strcmp(other->code, f->code) == 0 &&
                                (!f->view || !other->view || strcmp(other->view, f->view) == 0);
             needed = !alike || (k < kept ? other->severity < f->severity : other->severity <= f->severity);
-            // What is worse explains the rest of its subject; what was measured right stays.
+            // A worse finding explains the rest of its subject; measurements that were right stay.
             if (f->severity != FFP_FINDING_OK && other->severity > f->severity)
                 needed = needed && strcmp(other->subject, f->subject) != 0;
         }
@@ -199,7 +199,7 @@ void ffp_findings_page(FILE *out, const FfpFinding *findings, int count) {
     for (int i = 0; i < count; i++) {
         const FfpFinding *f = &findings[i];
         fprintf(out, "  %-4s %-12s ", words[f->severity], f->subject);
-        // What a fault is about stands in front of it; doubts and notes say it themselves.
+        // A fault begins with its view; doubts and notes say it themselves.
         if (f->severity == FFP_FINDING_FAULT && f->view) fprintf(out, "view %s: ", f->view);
         fprintf(out, "%s\n", f->text);
         if (f->advice) fprintf(out, "       -> %s\n", f->advice);

@@ -7,7 +7,7 @@
 #include "core/base/arena.h"
 #include "rig/findings/rules.h"
 
-// What a rule's words are filled with.
+// The values for the placeholders in a rule's words.
 typedef struct FfpFacts {
     const char *view, *other, *a, *b, *c;
     double figure, limit, x, y, z;

@@ -49,7 +49,7 @@ typedef struct Rectifying {
     int samples; // a side of each pixel
 } Rectifying;
 
-// What a pixel of the pinhole saw; false where that is not known.
+// The position that a pixel of the pinhole saw; false if unknown.
 static bool position_at(const Rectifying *r, int column, int row, double *u, double *v) {
     const FfpCamera *pinhole = r->pinhole;
     Sum sum = {0};
@@ -73,7 +73,7 @@ static bool without_lens(const Rectifying *r, double u, double v, real out[2]) {
     if (!ffp_lens_undistort(o->lens, (u - o->cx) / o->fx, (v - o->cy) / o->fy, ray)) return false;
     out[0] = (real)((double)r->ideal->cx + (double)r->ideal->fx * ray[0]);
     out[1] = (real)((double)r->ideal->cy + (double)r->ideal->fy * ray[1]);
-    // What readers of captures accept, whatever a lens makes of a corner.
+    // The range that readers of captures accept, whatever a lens makes of a corner.
     return out[0] >= -(real)r->ideal->width && out[0] <= 2 * (real)r->ideal->width &&
            out[1] >= -(real)r->ideal->height && out[1] <= 2 * (real)r->ideal->height;
 }
@@ -138,7 +138,7 @@ FfpCodesFit ffp_codes_check(FfpView *view) {
 
 // --- The object's sphere. ---
 
-// Whether most of the other views that have a point in their pictures show background there.
+// True if most of the other views that have a point in their pictures show background there.
 static bool is_background(const FfpCapture *capture, int own, const real point[3]) {
     int seen = 0, empty = 0;
     for (int v = 0; v < capture->n_views; v++) {

@@ -1,4 +1,4 @@
-// What the files of this room share: a view that is being decoded.
+// The common state of this room's files: a view that is being decoded.
 #ifndef FFP_GRAYCODE_DECODER_H
 #define FFP_GRAYCODE_DECODER_H
 

@@ -38,7 +38,7 @@ void ffp_gray_cache_free(FfpGrayCache *cache) {
     *cache = (FfpGrayCache){.n = 0};
 }
 
-// What the cache holds of a file; NULL: nothing.
+// The cache's copy of a file; NULL: none.
 static float *take_from_cache(FfpGrayCache *cache, const char *path, int *width, int *height) {
     for (int i = 0; cache && i < cache->n; i++) {
         float *grey = cache->files[i].grey;
@@ -106,8 +106,8 @@ static bool tell_dark(const FfpGrayDecoder *d, FfpError *err) {
     return ffp_gray_fail_dark(black, added, d->from->white, err);
 }
 
-// What is more than noise: white is darker than black by nothing else (the median of a normal distribution's
-// side lies at 0.67 deviations).
+// The least light that is more than noise: only noise makes white darker than black (the median of a normal
+// distribution's side lies at 0.67 deviations).
 static double least_light(const FfpGrayDecoder *d) {
     real *darker = ffp_alloc(d->pixels + 1, sizeof *darker);
     size_t n = 0;
@@ -180,7 +180,7 @@ static void read_half(void *argument, int64_t k) {
                          ffp_gray_photograph(r->d, r->pair->axis, r->pair->bit, (int)k), &r->errors[k]);
 }
 
-// What the pair's other photograph would be if it existed: they add up to black and white.
+// Makes the pair's missing photograph: both add up to black and white.
 static void complete_pair(const FfpGrayDecoder *d, Pair *pair) {
     const int missing = pair->grey[0] ? 1 : 0;
     const float *other = pair->grey[1 - missing];
@@ -270,7 +270,7 @@ typedef struct Search {
     int count;
 } Search;
 
-// Whether two photographs are each other's inverse; *edges: neighbouring pixels between which the brighter
+// True if two photographs are each other's inverse; *edges: neighbouring pixels between which the brighter
 // one changes.
 static bool are_inverse(const FfpGrayDecoder *d, float *a, float *b, size_t *edges) {
     const Pair pair = {0, 0, {a, b}};
@@ -324,7 +324,7 @@ static bool are_alike(const FfpGrayDecoder *d, const Pair *pair) {
     return (double)alike > PAIR_SHARE * (double)count;
 }
 
-// Whether from this pair on every photograph shows the pattern before its own: its second one and the first
+// True if from this pair on every photograph shows the pattern before its own: its second one and the first
 // of the next pair are the pair, and its first one is as its second, or the inverse of the first before.
 static bool is_late(const FfpGrayDecoder *d, const Pair *broken, FfpError *err) {
     Pair before, next;

@@ -1,4 +1,5 @@
-// Whether photographs of Gray codes are in the order in which they were shown, and which are not.
+// Checks that photographs of Gray codes are in the order in which they were shown, and finds those that are
+// not.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,7 +38,7 @@ static size_t changes_of(const FfpGrayDecoder *d, int axis, int bit) {
     return changes;
 }
 
-// Whether most pixels tell a bit from its inverse, and its stripes are not so fine that the camera's pixels
+// True if most pixels tell a bit from its inverse, and its stripes are not so fine that the camera's pixels
 // show them at random: each bit has twice as many edges as the one before.
 static bool is_resolved(const FfpGrayDecoder *d, int axis, int bit) {
     size_t told = 0, lit = 0;
@@ -88,7 +89,7 @@ static int lowest(unsigned bits) {
     return at;
 }
 
-// Whether two neighbours may lie on one surface: at a silhouette the other axis' code jumps as well.
+// True if two neighbours may lie on one surface: at a silhouette the other axis' code jumps as well.
 static bool goes_on(const FfpGrayDecoder *d, int axis, size_t a, size_t b) {
     const int *other = d->code[1 - axis];
     return other[a] >= 0 && other[b] >= 0 && abs(other[a] - other[b]) <= GOES_ON;

@@ -58,7 +58,7 @@ static bool read_plain(Plain *p, const FfpGrayPhotographs *from, FfpError *err) 
     return true;
 }
 
-// Whether another picture is nowhere much darker than black nor brighter than white.
+// True if another picture is nowhere much darker than black nor brighter than white.
 static bool lies_between(const Plain *p, const Plain *other, int k) {
     const size_t pixels = (size_t)p->width * (size_t)p->height;
     size_t lit = 0, outside = 0;
@@ -137,7 +137,7 @@ static bool fail_plain(const Plain *front, const Plain *back, const FfpGrayPhoto
         "numbered in the order in which they were shown, or the exposure changed between them");
 }
 
-// Whether the lighter of two uses the file's range.
+// Checks that the lighter of two uses the file's range.
 static bool check_range(const Plain *p, const FfpGrayPhotographs *from, FfpError *err) {
     const char *lighter = p->files[p->turned ? 0 : 1];
     float most = 0;

@@ -19,7 +19,7 @@ static int count_missing(const FfpImporting *import, int stop) {
     return missing;
 }
 
-// What a view's photographs of the codes are like.
+// Notes the quality of a view's photographs of the codes.
 static void note_report(const FfpImporting *import, const FfpView *view, const FfpGrayReport *report,
                         const FfpCodesFit *fit) {
     ffp_note("view '%s': Gray codes decoded at %.1f %% of the lit pixels, %d of the object's; median "

@@ -10,7 +10,7 @@
 #define SAME 0.02       // mean difference of two patterns that are one and the same
 #define SHOWN 0.5F      // of white: a pixel of the ideal projector's picture that is on the panel
 
-// Whether two patterns, or one and the other's inverse, are the same where the panel is.
+// True if two patterns, or one and the other's inverse, are the same where the panel is.
 static bool is_same(const FfpImage *a, const FfpImage *b, const FfpImage *white) {
     double off = 0, off_inverse = 0, area = 0;
     for (size_t i = 0; i < 3 * (size_t)white->width * (size_t)white->height; i++) {
@@ -22,7 +22,7 @@ static bool is_same(const FfpImage *a, const FfpImage *b, const FfpImage *white)
     return fmin(off, off_inverse) < SAME * area;
 }
 
-// Whether the capture has the pattern already, held out or not, itself or its inverse: of what is held out
+// True if the capture has the pattern already, held out or not, itself or its inverse: of what is held out
 // nothing may be seen.
 static bool is_known(const FfpCapture *capture, const FfpPattern *code) {
     const FfpImage *white = &capture->patterns[capture->white].image;

@@ -88,7 +88,7 @@ static bool refine(void *context, int view) {
     return ffp_importing_refine_mask(context, view);
 }
 
-// Whether the views are a turntable's stops, seen by one camera.
+// True if the views are a turntable's stops, seen by one camera.
 static bool turns(const FfpImporting *import) {
     const FfpImportTurntable *turntable = &import->settings->turntable;
     const FfpStop *stops = import->calibration.stops;

@@ -8,7 +8,7 @@ static const char *const *files_of(const FfpImporting *import, int stop) {
     return import->shots.empty + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
 }
 
-// Whether two stops share their pictures of the stage: the same files, seen by the same camera.
+// True if two stops share their pictures of the stage: the same files, seen by the same camera.
 static bool is_shared(const FfpImporting *import, int a, int b) {
     const FfpOptics *optics[2] = {&import->calibration.stops[a].camera, &import->calibration.stops[b].camera};
     for (int p = 0; p < import->shots.n_patterns; p++) {

@@ -66,7 +66,7 @@ bool ffp_importing_keep_response(const char *folder, const FfpImporting *import,
 
 // Parts of steps. The light of the panel's Gray code with this number, [h,w,3] (5, 9).
 FfpImage ffp_importing_code_pattern(const FfpOptics *panel, int index);
-// Whether a picture has the size of the optics, as it must; check_size: of the picture in a file (5).
+// Checks that a picture has the size of the optics; check_size: of the picture in a file (5).
 bool ffp_importing_has_size(const char *path, int width, int height, const FfpOptics *optics, FfpError *err);
 bool ffp_importing_check_size(const char *path, const FfpOptics *optics, FfpError *err);
 // The coverage of a view whose images exist, and its images over black by it, unless it was made of light

@@ -97,7 +97,7 @@ typedef struct Evidence { // of the views about a point
     int seen, object, stage, through, unlit;
 } Evidence;
 
-// Whether a pixel and the eight around it are lit stage: outlines are known to a pixel.
+// True if a pixel and the eight around it are lit stage: outlines are known to a pixel.
 static bool is_stage(const FfpView *view, const unsigned char *kinds, int x, int y) {
     for (int k = 0; k < 9; k++) {
         const int px = x + k % 3 - 1, py = y + k / 3 - 1;
@@ -107,7 +107,7 @@ static bool is_stage(const FfpView *view, const unsigned char *kinds, int x, int
     return true;
 }
 
-// Whether a surface at a point would get the projector's light, as far as the hull's shadows are known.
+// True if a surface at a point would get the projector's light, as far as the hull's shadows are known.
 static bool would_be_lit(const FfpHull *h, int v, const real point[3]) {
     int cell;
     real z;
@@ -134,7 +134,7 @@ static bool ask(const FfpHull *h, int v, const real point[3], bool with_shadows,
     return true;
 }
 
-// Whether a point of the world can be the object's.
+// True if a point of the world can be the object's.
 static bool is_possible(const FfpHull *h, const real point[3], bool with_shadows) {
     const int n = h->capture->n_views;
     Evidence e = {0};

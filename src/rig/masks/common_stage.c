@@ -68,7 +68,7 @@ static void take_mean(const Common *c, FfpEmptyStage *stage, int like, int share
     stage->known.data[pixel] = 1;
 }
 
-// Whether a look is much brighter than the stage is known to be at a pixel, which then is in shadow.
+// True if a look is much brighter than the stage is known to be at a pixel, which then is in shadow.
 static bool is_brighter(const Common *c, const FfpEmptyStage *stage, int like, ptrdiff_t pixel,
                         ptrdiff_t at) {
     const real *white = stage->images[c->capture->white].data + 3 * at,
@@ -78,7 +78,7 @@ static bool is_brighter(const Common *c, const FfpEmptyStage *stage, int like, p
     return white_at(c->layers[like], pixel) > fmax(COMMON_SHADOWED * known, LIT_NOISE * c->noise);
 }
 
-// Whether a look under white goes on from the known stage around a pixel.
+// True if a look under white goes on from the known stage around a pixel.
 static bool goes_on(const Common *c, const FfpEmptyStage *stage, int like, ptrdiff_t pixel) {
     const FfpImage *white = &stage->images[c->capture->white];
     const int x = (int)(pixel % white->width), y = (int)(pixel / white->width);

@@ -86,8 +86,8 @@ static bool replace_masks(const FfpMasking *masking, const FfpEmptyStage *stage,
     return ok;
 }
 
-// Whether the light's masks show a background, and what stays the same over the stops tells the object
-// better: they are replaced then.
+// Replaces the light's masks, and returns true, if they show a background and the common look of the stops
+// tells the object better.
 static bool mask_by_common_stage(const FfpMasking *masking) {
     FfpCapture *capture = masking->capture;
     FfpEmptyStage stage = {0};
@@ -109,7 +109,7 @@ static bool mask_by_common_stage(const FfpMasking *masking) {
 }
 
 typedef struct Grown {
-    bool asked, sure; // whether other views could say, and did
+    bool asked, sure; // other views could say, and did
     double added;     // share of the object's pixels
 } Grown;
 
@@ -229,7 +229,7 @@ static double misfit_of(FfpCapture *capture) {
     return ffp_rig_silhouette_misfit(capture);
 }
 
-// Whether masks of all light are better than those that the views have: the empty stage must be as dark; or,
+// True if masks of all light are better than those that the views have: the empty stage must be as dark; or,
 // if the views have completed each other's masks, they must show the shadows that were found, and contradict
 // each other no more, as they would with a window or a hand in a picture.
 static bool is_better(const FfpMasking *masking, FfpImage *masks, bool completed) {

@@ -1,4 +1,4 @@
-// What a camera or projector sees nearest, on a coarse grid over its picture.
+// The nearest surface that a camera or projector sees, on a coarse grid over its picture.
 #ifndef FFP_RIG_DEPTH_MAP_H
 #define FFP_RIG_DEPTH_MAP_H
 

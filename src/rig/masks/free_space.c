@@ -26,7 +26,7 @@ static bool is_sure(const FfpInitialisation *found, size_t at) {
            (double)found->violation[at] <= FREE_VIOLATION && (double)found->coverage[at] > FREE_COVERED;
 }
 
-// What one view's camera and projector see nearest, of the depths that are sure.
+// Puts the nearest surfaces of one view's camera and projector, of the depths that are sure.
 static void put_view(FfpFreeSpace *space, int v, const FfpInitialisation *found, const FfpCapture *small,
                      const FfpCapture *capture) {
     const FfpCamera *camera = &small->views[v].camera;

@@ -39,7 +39,7 @@ static bool in_shadow(const Hull *h, int v, const real point[3]) {
     return far > h->nearest[v].z[cell] + GROW_NEAR * h->voxels.step;
 }
 
-// Whether the views but one (-1: all) allow the object at a point; without shadows all must show it.
+// True if the views but one (-1: all) allow the object at a point; without shadows all must show it.
 static bool is_possible(const Hull *h, const real point[3], int but, bool with_shadows) {
     int lit = 0, dark = 0;
     for (int v = 0; v < h->capture->n_views; v++) {
@@ -77,7 +77,7 @@ static void build_hull(Hull *h) {
 
 // --- Pixels. ---
 
-// Whether some part of a pixel's ray is possible.
+// True if some part of a pixel's ray is possible.
 static bool has_part(const Hull *h, int v, size_t pixel, bool with_shadows) {
     FfpChord chord;
     int run = 0;
@@ -125,7 +125,7 @@ static int64_t count(const FfpView *view, const FfpImage *possible) {
     return sum;
 }
 
-// Whether so little of the object is lit that the views know too little of each other.
+// True if so little of the object is lit that the views know too little of each other.
 static bool too_dark(const FfpCapture *capture, const bool *made, const FfpImage *possible) {
     int64_t lit = 0, added = 0;
     for (int v = 0; v < capture->n_views; v++) {

@@ -1,5 +1,5 @@
-// What masks are judged by: the thresholds of this room that its steps share or documents name. Numbers of a
-// single step, sizes of working memory and of drawings are in their files.
+// Limits that masks are judged by: the thresholds of this room that its steps share or documents name.
+// Numbers of a single step, sizes of working memory and of drawings are in their files.
 #ifndef FFP_MASKS_LIMITS_H
 #define FFP_MASKS_LIMITS_H
 

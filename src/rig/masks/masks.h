@@ -15,7 +15,7 @@ typedef struct FfpEmptyStage {
                     // .data NULL: known everywhere
 } FfpEmptyStage;
 
-// What a pixel of a view is, as far as it can be told from the stage alone.
+// The kind of a view's pixel, as far as the stage alone shows it.
 typedef enum FfpPixelKind {
     FFP_PIXEL_UNKNOWN,   // in shadow, or neither like the stage nor clearly another thing
     FFP_PIXEL_STAGE,     // lit, and as the stage is under every pattern
@@ -61,7 +61,7 @@ void ffp_mask_drop_specks(FfpImage *mask, int64_t least);
 
 // --- Masks that the light made, completed by what the views know of each other. ---
 
-// What the projector's light does not reach is missing from a mask made of it. A dark pixel of a view
+// A mask made of the projector's light lacks the parts that it does not reach. A dark pixel of a view
 // (`made`) becomes object where a part of its ray
 // - lies in the shadow of the object, as far as it is known, or outside the projector's field, and
 // - is possible to all other views: each shows light there, or has a shadow there too, and nearly all show
@@ -81,7 +81,7 @@ bool ffp_grow_masks(FfpCapture *capture, const bool *made, const FfpImage *holes
 // of the object's light.
 bool ffp_dark_masks(FfpImage *masks, const FfpCapture *capture);
 
-// Whether pictures of the empty stage show nothing either.
+// True if pictures of the empty stage show nothing either.
 bool ffp_dark_stage(const FfpCapture *capture, int view, const FfpEmptyStage *stage);
 
 // Edges of coverage that ffp_dark_masks found, as soft as the camera's. Pictures stay as they
@@ -135,12 +135,12 @@ void ffp_soften_edges(const FfpCapture *capture, FfpView *view, const FfpEmptySt
 // The mask alone: pictures stay as they are.
 void ffp_soften_mask(const FfpCapture *capture, FfpView *view, const FfpEmptyStage *stage, double noise);
 
-// --- Whether the camera stands where the empty stage was photographed from. ---
+// --- The camera's displacement from where the empty stage was photographed. ---
 
 // The displacement (x, y) in pixels by which the stage's pictures look most like the view's; 0, 0 if none is
-// clearly better than none. What white adds to black is compared, linear, 3 channels, all four of one size,
-// by the mean of |a - b| / (a + b), bounded for each pixel so that the object counts little, at displacements
-// in small pictures.
+// clearly better than none. White minus black is compared, linear, 3 channels, all four of one size, by the
+// mean of |a - b| / (a + b), bounded for each pixel so that the object counts little, at displacements in
+// small pictures.
 void ffp_stage_moved(int moved[2], const FfpImage *black, const FfpImage *white, const FfpImage *stage_black,
                      const FfpImage *stage_white);
 

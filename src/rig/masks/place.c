@@ -46,7 +46,7 @@ static double distance_of(const FfpCapture *capture, const FfpCamera *device) {
     return sqrt(square);
 }
 
-// What two views differ by where both show the same.
+// The difference of two views where both show the same.
 static double noise_of(const FfpCapture *capture) {
     const FfpImage *one = capture->views[0].images, *two = capture->views[capture->n_views / 2].images;
     FfpLayers *a = ffp_layers_new(capture, one, two), *b = ffp_layers_new(capture, two, one);
@@ -116,7 +116,7 @@ static real cost_at(const Sweep *s, ptrdiff_t pixel, double z) {
     return (real)fmin(sum, PLACE_COST_LIMIT);
 }
 
-// Whether the object's sphere, turned about the axis, reaches as far from it as a point.
+// True if the object's sphere, turned about the axis, reaches as far from it as a point.
 static bool is_within(const Sweep *s, const real point[3]) {
     const real *centre = s->capture->centre;
     return hypot(point[0], point[1]) < s->capture->radius + hypot(centre[0], centre[1]);
@@ -183,7 +183,7 @@ static bool is_lit(const Sweep *s, ptrdiff_t pixel) {
     return light > PLACE_LIT * s->noise;
 }
 
-// Whether most of the pixels around one lie as far away as it does; depths found by chance do not.
+// True if most of the pixels around one lie as far away as it does; depths found by chance do not.
 static bool is_smooth(const Sweep *s, const Places *places, ptrdiff_t pixel) {
     const int width = s->view->camera.width, height = s->view->camera.height;
     const int x = (int)(pixel % width), y = (int)(pixel / width);
@@ -216,7 +216,7 @@ static bool mark(unsigned char *marks, const Sweep *s, const Places *places) {
     return true;
 }
 
-// Whether all views show a point within their masks, or marked.
+// True if all views show a point within their masks, or marked.
 static bool is_in_all(const FfpCapture *capture, const unsigned char *marks, const real point[3]) {
     for (int v = 0; v < capture->n_views; v++) {
         const FfpView *view = &capture->views[v];
@@ -230,7 +230,8 @@ static bool is_in_all(const FfpCapture *capture, const unsigned char *marks, con
     return true;
 }
 
-// What looks the same from all sides is round: keeps marks whose points are the object's from all sides.
+// An object that looks the same from all sides is round: keeps marks whose points are the object's from all
+// sides.
 static void keep_round(unsigned char *marks, const Sweep *s, const Places *places) {
     unsigned char *around = ffp_alloc((size_t)s->pixels, 1);
     memcpy(around, marks, (size_t)s->pixels);

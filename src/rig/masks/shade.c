@@ -36,7 +36,8 @@ static double darkness(const Shade *s, ptrdiff_t pixel) {
     return sum_of(&s->white, pixel) / fmax(sum_of(&s->stage_white, pixel), 1e-6);
 }
 
-// What white adds is far less than on the stage, and the pixel is neither stage nor object for sure.
+// Marks pixels to which white adds far less than to the stage, and which are neither stage nor object for
+// sure.
 static void mark_dark(Shade *s, const FfpView *view, const FfpEmptyStage *stage, const FfpCapture *capture,
                       const FfpCompared *compared) {
     FfpImage images[4] = {view->images[capture->white], view->images[capture->black],
@@ -80,7 +81,7 @@ static double umbra_of(const Shade *s, const unsigned char *around) {
     return out;
 }
 
-// What share of white's bounced light there is under the pattern, from where the shadow surely is one.
+// The share of white's bounced light under the pattern, from where the shadow surely is one.
 static void find_bounced(Shade *s, const unsigned char *around) {
     double pattern[3] = {0}, white[3] = {0};
     for (ptrdiff_t i = 0; i < (ptrdiff_t)s->width * s->height; i++) {
@@ -93,8 +94,8 @@ static void find_bounced(Shade *s, const unsigned char *around) {
     for (int c = 0; c < 3; c++) s->bounced[c] = white[c] > 0 ? pattern[c] / white[c] : 0;
 }
 
-// Whether the pattern itself is seen: in shadows all patterns look the same but for their means (Nayar et
-// al. 2006, "Fast separation of direct and global components").
+// True if the pattern itself is seen: in shadows all patterns look the same but for their means (Nayar et al.
+// 2006, "Fast separation of direct and global components").
 static bool is_direct(const Shade *s, ptrdiff_t pixel) {
     double sum = 0;
     if (!s->pattern_added.data) return false;
@@ -107,7 +108,7 @@ static bool is_direct(const Shade *s, ptrdiff_t pixel) {
     return sum > 3 * SHADE_DIRECT;
 }
 
-// Whether a pixel has the stage's light under black, which shadows of the projector keep. Less than most of
+// True if a pixel has the stage's light under black, which shadows of the projector keep. Less than most of
 // it needs a surer colour.
 static bool keeps_black(const Shade *s, ptrdiff_t pixel, double colour) {
     const double here = sum_of(&s->black, pixel), there = sum_of(&s->stage_black, pixel);

@@ -5,7 +5,7 @@
 #include "rig/masks/masks.h"
 
 typedef struct Sample {          // of one picture at a pixel
-    bool known;                  // whether there is object as well as background nearby
+    bool known;                  // there is object as well as background nearby
     double object[3], behind[3]; // the object's light; the stage's, as bright as it is around
 } Sample;
 

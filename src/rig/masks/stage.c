@@ -84,7 +84,7 @@ static double explain(const Values *v, int n, double noise, double *error) {
     return a;
 }
 
-// Whether white looks as it does in a shadow of the projector, which light from other surfaces reaches: their
+// True if white looks as it does in a shadow of the projector, which light from other surfaces reaches: their
 // mixture of a pattern is not the pattern's colour here. The room's own light is left.
 static bool may_be_shadow(const Values *v, double noise) {
     double error, here = 0, there = 0;
@@ -114,7 +114,7 @@ static bool is_alike_under_black(const Values *v, double noise) {
     return sum < 3 * ALIKE;
 }
 
-// Whether what white adds is as on the stage around, where the stage itself is not known.
+// True if what white adds is as on the stage around, where the stage itself is not known.
 static bool continues(const Comparison *c, ptrdiff_t pixel) {
     for (int i = 0; i < 3; i++) {
         const double here = (double)c->view->of[1].data[3 * pixel + i],

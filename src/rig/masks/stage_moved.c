@@ -8,7 +8,7 @@ typedef struct Small {
     double *of, mean; // [height*width]
 } Small;
 
-// What white adds to black, in means of step x step pixels.
+// White minus black, in means of step x step pixels.
 static Small reduce(const FfpImage *black, const FfpImage *white, int step) {
     Small out = {.width = white->width / step, .height = white->height / step};
     out.of = ffp_alloc((size_t)out.width * (size_t)out.height, sizeof *out.of);

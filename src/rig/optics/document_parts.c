@@ -1,4 +1,4 @@
-// What the formats of documents share.
+// Common parts of the documents' formats.
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>

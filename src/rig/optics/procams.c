@@ -1,6 +1,6 @@
-// What GS-ProCams exports: cameras.json, a list of cameras with their centre and their rotation to the world,
-// and projector.json, whose R is the transpose of the rotation from the world and whose T is the translation
-// from the world. Both come from COLMAP: pixel centres at integer + 0.5.
+// The export of GS-ProCams: cameras.json, a list of cameras with their centre and their rotation to the
+// world, and projector.json, whose R is the transpose of the rotation from the world and whose T is the
+// translation from the world. Both come from COLMAP: pixel centres at integer + 0.5.
 #include <stdio.h>
 #include <string.h>
 #include "rig/optics/calibration.h"

@@ -51,7 +51,7 @@ static real mean_in(const FfpSummed *pattern, const Sample *s, real du, real dv)
     return (value[0] + value[1] + value[2]) / 3;
 }
 
-// Whether the pattern changes within a few of the camera's pixels around.
+// True if the pattern changes within a few of the camera's pixels around.
 static bool at_edge(const FfpSummed *pattern, const Sample *s) {
     return fabs(mean_in(pattern, s, 5 * s->du, 5 * s->dv) - mean_in(pattern, s, s->du, s->dv)) >
            (real)EDGE_MIN;

@@ -1,4 +1,4 @@
-// What is seen of the panel at each place: one projector that stands still shows its codes, and the camera
+// The view of the panel at each place: one projector that stands still shows its codes, and the camera
 // decodes them where it walks, or at each stop of a turntable that stands still too.
 #ifndef FFP_SELFCAL_PLACES_H
 #define FFP_SELFCAL_PLACES_H

@@ -27,14 +27,14 @@ bool ffp_self_calibration_turntable(const FfpSelfCalibration *options, FfpTracks
                                     FfpSelfCalibrationStats *stats, FfpError *err);
 
 enum { FFP_FOCAL_35MM_LEAST = 5, FFP_FOCAL_35MM_MOST = 2000 };
-// What a lens says of the focal length of photographs of this size: the one that is given or, if that is 0,
-// the one that their files tell, with a note.
+// The focal length by the lens of photographs of this size: the one that is given or, if that is 0, the one
+// that their files tell, with a note.
 FfpKnownFocal ffp_known_focal(double focal_35mm, const FfpTracks *tracks);
-// Whether the focal length found contradicts the one that was known, which then counts no more: fit again,
-// and report it by ffp_tell_known_focal.
+// True if the focal length found contradicts the one that was known, which is then ignored: fit again, and
+// report it by ffp_tell_known_focal.
 bool ffp_judge_known_focal(FfpKnownFocal *known, double found);
 void ffp_tell_known_focal(const FfpKnownFocal *known, double found);
-// Whether a device's focal length, the logarithm, is certain enough. `doubt` is the rule of one that is
+// Checks that the logarithm of a device's focal length is certain enough. `doubt` is the rule of one that is
 // nearly so; its advice is the error's too.
 bool ffp_judge_focal(double log_focal, double deviation, const char *device, int doubt, FfpError *err);
 

@@ -88,7 +88,7 @@ typedef struct Seen { // of a spot, by one place
     bool there;
 } Seen;
 
-// What one place sees of the grid: [rows * columns].
+// One place's view of the grid: [rows * columns].
 static void look(const Grid *grid, const FfpImage *map, const FfpImage *white, int shrink, Seen *seen) {
     const size_t spots = (size_t)grid->columns * (size_t)grid->rows;
     if (!map->data) return;

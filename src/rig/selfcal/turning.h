@@ -45,13 +45,14 @@ void ffp_turning_set_stops(FfpTurning *turning);
 
 // Median angle between the rays by which projector and camera see a point, degrees.
 double ffp_turning_parallax(const FfpTurning *turning);
-// Whether it is `least` or more: FFP_PARALLAX_CLEAR where something is unclear, FFP_PARALLAX_LEAST anyway.
+// Checks that it is at least `least`: FFP_PARALLAX_CLEAR where something is unclear, FFP_PARALLAX_LEAST
+// anyway.
 bool ffp_turning_check_parallax(const FfpTurning *turning, double least, FfpError *err);
 
 // Solves the nearness of every `stride`-th sighting for the devices as they are.
 void ffp_turning_triangulate(FfpTurning *turning, int stride);
 // How badly every `stride`-th sighting, turned to the next stop, agrees with that stop, 0 to 1; `scale`:
-// pixels, beyond which distances count less and less. What falls on nothing counts 1.
+// pixels, beyond which distances count less and less. A sighting that falls on nothing counts 1.
 double ffp_turning_disagreement(const FfpTurning *turning, int stride, double scale);
 
 // How alike the light is of points before and after they are turned, of those that lie within `far` pixels of

@@ -276,8 +276,8 @@ static double likeness_of(FfpTurning *t, const Candidate *c) {
     return ffp_turning_likeness(t, 2 * FINE);
 }
 
-// Of candidates whose surfaces agree as well as the best one's, the one whose light does; whether it is
-// another axis that does nearly as well.
+// Of candidates whose surfaces agree as well as the best one's, the one whose light does; `unclear`: that
+// of another axis does nearly as well.
 static int choose_by_light(FfpTurning *t, const Candidate *list, int n, bool *unclear) {
     double likeness[FINALISTS + 1], other = -1;
     int best = 0;

@@ -105,7 +105,7 @@ static void fit_best(FfpTurning *t) {
 
 // --- Stops. ---
 
-// Leaves out stops whose surface is not where the others turn to; whether there are any.
+// Leaves out stops whose surface is not where the others turn to; true if there are any.
 static bool drop_stops(FfpTurning *t) {
     const FfpTracks *tracks = t->tracks;
     double shares[FFP_PLACES_MAX];

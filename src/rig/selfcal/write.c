@@ -1,4 +1,4 @@
-// What was found as COLMAP has it.
+// The result in COLMAP's files.
 #include <math.h>
 #include <string.h>
 #include "core/base/alloc.h"

@@ -123,7 +123,7 @@ static bool append(char *path, size_t *length, const char *text, const char *spe
     return true;
 }
 
-// What in a name would be a wildcard: in what fills the placeholders, in the template itself.
+// Characters of a name that would be wildcards: in the placeholders' values, in the template itself.
 typedef struct Specials {
     const char *filled, *written;
 } Specials;

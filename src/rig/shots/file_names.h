@@ -8,7 +8,7 @@
 // Order of two paths for qsort: runs of digits count as numbers, "img_9" before "img_10"; "1.png" and
 // "01.png" have an order, too.
 int ffp_compare_paths(const void *a, const void *b);
-// Whether the template has a placeholder that differs from view to view.
+// True if the template has a placeholder that differs from view to view.
 bool ffp_files_by_view(const char *template);
 
 // Files in natural order, [n], of a camera whose numbers began again (9999, 0001): the part before that comes
@@ -34,9 +34,9 @@ typedef struct FfpFileSet {
 // be gaps. With gaps, the last number in each name that matches * shows which files of a view are missing;
 // those after the last number are the last, and if there are half as many as names and no number is left out,
 // every second one is missing. Placeholders are filled in first: {view}, {pattern}, {index} (from 0),
-// {number} (from 1) and {number:3} (with zeros). What they do not tell apart is given by *, whose files are
-// taken in natural order: all names of the first view, then of the second. ? and [...] are wildcards, too,
-// unless a file has that literal name.
+// {number} (from 1) and {number:3} (with zeros). Files that they do not tell apart are given by *, whose
+// files are taken in natural order: all names of the first view, then of the second. ? and [...] are
+// wildcards, too, unless a file has that literal name.
 bool ffp_files_find(const char **paths, FfpArena *arena, const FfpFileSet *set, FfpError *err);
 
 #endif

@@ -31,7 +31,7 @@ static bool check_names(const char *folder, const char **files, int n, FfpError 
     return true;
 }
 
-// What of a folder is wanted: pictures, or folders. Paths in natural order, [*n].
+// Lists the pictures of a folder, or its folders. Paths in natural order, [*n].
 static bool list(FfpArena *arena, const char *folder, bool folders, const char ***paths, int *n,
                  FfpError *err) {
     DIR *directory = opendir(folder);

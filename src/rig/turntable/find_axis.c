@@ -17,7 +17,7 @@ static void place_stops(FfpCalibration *calibration, const FfpAxis *axis, bool r
     ffp_free(turntable);
 }
 
-// What the whole capture says about the axis found, to the user; refuses one that explains it badly.
+// Tells the user how well the axis explains the whole capture; refuses one that explains it badly.
 static bool accept_axis(FfpCapture *capture, const FfpAxis *axis, const FfpAxisReport *report, int active,
                         FfpError *err) {
     ffp_capture_estimate_bounds(capture);

@@ -74,7 +74,7 @@ static bool is_background(const FfpImage *coverage, size_t index) {
     return true;
 }
 
-// Whether no silhouette speaks against a point of stop `view`.
+// True if no silhouette speaks against a point of stop `view`.
 static bool is_possible(const Scanner *s, int view, const double point[3]) {
     for (int other = 0; other < s->capture->n_views; other++) {
         double there[3];

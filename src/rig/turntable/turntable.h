@@ -17,11 +17,11 @@ typedef struct FfpTurntable {
     bool left_out[FFP_VIEWS_MAX]; // those whose angle could not be
 } FfpTurntable;
 
-// Whether there is a turntable in what a caller says.
+// True if the caller's settings have a turntable.
 bool ffp_turntable_is_given(const FfpImportTurntable *given);
-// What a caller says of one, with the JSON or YAML file that is named, {"axis", "point", "angles"} or
-// {"axis", "point", "count", "step"}, and "zero", "clockwise", "views" and "left_out" where it has them; the
-// axis at length 1. One that is to be found points up and stands before the camera until then. Errors: no
+// Takes the caller's settings of one, with the JSON or YAML file that they name, {"axis", "point", "angles"}
+// or {"axis", "point", "count", "step"}, and "zero", "clockwise", "views" and "left_out" where it has them;
+// the axis at length 1. One that is to be found points up and stands before the camera until then. Errors: no
 // direction, no angles, too many, numbers out of range.
 bool ffp_turntable_take(FfpTurntable *turntable, const FfpImportTurntable *given, FfpError *err);
 

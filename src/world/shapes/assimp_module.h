@@ -1,4 +1,4 @@
-// What reads users' meshes by Assimp: a module (core/base/module.h), loaded by mesh_file.c.
+// The reader of users' meshes by Assimp: a module (core/base/module.h), loaded by mesh_file.c.
 #ifndef FFP_SHAPES_ASSIMP_MODULE_H
 #define FFP_SHAPES_ASSIMP_MODULE_H
 

@@ -94,7 +94,7 @@ static const FfpAssimpModule *load_assimp(FfpError *err) {
 
 // --- The process that reads. ---
 
-// What there is to read, and how.
+// The file to read, and how.
 typedef struct Task {
     const char *path;
     const Format *format;

@@ -1,4 +1,4 @@
-// What a mesh is like, however it is turned.
+// Measures of a mesh that do not depend on how it is turned.
 #ifndef FFP_SHAPES_MESH_MEASURE_H
 #define FFP_SHAPES_MESH_MEASURE_H
 

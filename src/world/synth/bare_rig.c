@@ -82,7 +82,7 @@ static FfpChessboard board_at(double square, const double middle[3], const doubl
     return board;
 }
 
-// Whether its squares are in the frame, and half a square of the margin around them.
+// True if its squares are in the frame, and half a square of the margin around them.
 static bool holds(const FfpCamera *device, const double lens[5], const FfpChessboard *board) {
     for (int corner = 0; corner < 4; corner++) {
         float point[3];

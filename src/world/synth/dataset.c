@@ -94,7 +94,7 @@ static bool preset_spec(const FfpDatasetSettings *options, FfpSceneSpec *spec, F
     return ffp_sensor_check(&spec->sensor, err);
 }
 
-// What a scene is, for its file: the numbers that make it again, and what they stand for.
+// The description of a scene, for its file: the numbers that make it again, and what they stand for.
 static json_t *describe(const Job *job, int64_t number, const FfpSceneSpec *spec) {
     const FfpDatasetSettings *options = job->options;
     const char *own = spec->own_material ? spec->own_material : options->material;
@@ -160,7 +160,7 @@ static bool write_scene(const Scene *scene, const char *part, const char *folder
     return ok;
 }
 
-// What is special about scene `number`.
+// The specification of scene `number`.
 static FfpSceneSpec spec_of(const Job *job, int64_t number) {
     FfpSceneSpec spec = job->spec;
     if (job->asset[0])
@@ -219,7 +219,7 @@ static void work_on(void *argument, int64_t index) {
     }
 }
 
-// What there is now.
+// Reports the scenes that exist now.
 static void tell(const Job *job, int64_t count) {
     const int64_t made = count - job->kept;
     char name[FFP_NAME_MAX + 32];

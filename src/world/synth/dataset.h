@@ -45,7 +45,7 @@ typedef struct FfpDatasetSettings {
 // Scenes that exist already are kept; one appears under its name only when it is whole. Of several ranks
 // (the context's) each makes those whose turn it is.
 bool ffp_dataset_write(const FfpDatasetSettings *settings, FfpError *err);
-// Whether all of them exist; the error names those that are not.
+// Checks that all of them exist; the error names those that do not.
 bool ffp_dataset_check(const FfpDatasetSettings *settings, FfpError *err);
 
 #endif

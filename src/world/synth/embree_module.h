@@ -1,4 +1,4 @@
-// What traces rays by Embree 3 or 4: a module (core/base/module.h), loaded by trace.c.
+// The tracer of rays by Embree 3 or 4: a module (core/base/module.h), loaded by trace.c.
 #ifndef FFP_SYNTH_EMBREE_MODULE_H
 #define FFP_SYNTH_EMBREE_MODULE_H
 

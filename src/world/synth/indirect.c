@@ -110,7 +110,7 @@ static void add_bounce(const FfpViewWork *w, size_t pixel, const FfpHit *far, co
         ffp_light_add_coarse(light, &texel, colour, ffp_lanes_of(w, w->sums.bounce, pixel));
 }
 
-// What the paths' next surfaces receive of the devices' light.
+// The devices' light that the paths' next surfaces receive.
 typedef struct Received {
     FfpHit far[FFP_RAYS];
     FfpRays shadow; // of the projector

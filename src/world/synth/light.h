@@ -1,4 +1,4 @@
-// What the projector sends out for every pattern, laid out so that one lookup serves them all.
+// The projector's light for every pattern, laid out so that one lookup serves them all.
 #ifndef FFP_SYNTH_LIGHT_H
 #define FFP_SYNTH_LIGHT_H
 

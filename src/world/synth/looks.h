@@ -1,4 +1,4 @@
-// What a kind of material is: how it is coloured, and the procedures that its look and relief are made of.
+// Kinds of materials: their colours, and the procedures that their look and relief are made of.
 #ifndef FFP_SYNTH_LOOKS_H
 #define FFP_SYNTH_LOOKS_H
 

@@ -200,7 +200,7 @@ static void paint_clock(Canvas *c) {
     ffp_stroke_disc(&rim, centre, 0.05F * r);
 }
 
-// What the map shows at a point: land of a district, its border, or water.
+// The map's colour at a point: land of a district, its border, or water.
 static void map_colour(const Canvas *c, int x, int y, const real land[6][3], real out[3]) {
     static const real border[3] = {(real)0.25, (real)0.2, (real)0.25},
                       water[3] = {(real)0.45, (real)0.68, (real)0.9};

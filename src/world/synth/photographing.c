@@ -48,7 +48,7 @@ static bool draw_held_out(const FfpPhotographing *job, int pattern, FfpError *er
     return ok;
 }
 
-// What the projector sends out for a pattern, linear; a new image.
+// The projector's light for a pattern, linear; a new image.
 static bool emit(const FfpPhotographing *job, int pattern, FfpImage *emitted, FfpError *err) {
     char path[FFP_PATH_MAX];
     return pattern_path(job, pattern, path, err) && ffp_sensor_emit_file(emitted, path, &job->sensor, err);
@@ -120,7 +120,7 @@ static bool make_folders(const FfpPhotographing *job, FfpError *err) {
 
 // --- Pictures. ---
 
-// What the light of a picture makes of its noise; no two pictures have the same.
+// The random key of a picture's noise; no two pictures have the same.
 static uint32_t key_of(const FfpPhotographing *job, const FfpPhotographed *subject, int pattern) {
     const uint64_t seed = job->options->seed;
     if (!job->options->room)
@@ -185,7 +185,7 @@ static bool write_pictures(const FfpPhotographing *job, const FfpPhotographed *s
     return good == count;
 }
 
-// What of the pixels the object fills, as somebody who cuts it out by hand would have it.
+// The object's share of the pixels, as somebody who cuts it out by hand would have it.
 static bool write_mask(const FfpPhotographing *job, const FfpPhotographed *subject, const FfpView *view,
                        FfpError *err) {
     char name[NAME], path[FFP_PATH_MAX];

@@ -1,4 +1,5 @@
-// What the files of photographs.h share: a rig, what stands before it in turn, and what is shown to it.
+// The common state of the files of photographs.h: a rig, what stands before it in turn, and what is shown to
+// it.
 #ifndef FFP_SYNTH_PHOTOGRAPHING_H
 #define FFP_SYNTH_PHOTOGRAPHING_H
 

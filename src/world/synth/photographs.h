@@ -33,7 +33,8 @@ typedef struct FfpPhotographs {
 // Whole or not at all. Pictures are spec->resolution high and 4/3 as wide. Errors: of the patterns' folder;
 // `only` that is none of them; poses' errors, since no pose is written; numbers out of range.
 bool ffp_photographs_write(const FfpPhotographs *options, const FfpSceneSpec *spec, FfpError *err);
-// What all photographs demand of a scene: a sensor without poses' errors, a resolution that is in range.
+// Checks the demands of all photographs on a scene: a sensor without poses' errors, a resolution that is in
+// range.
 bool ffp_photographs_check(const FfpSceneSpec *spec, FfpError *err);
 
 #endif

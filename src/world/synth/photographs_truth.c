@@ -1,4 +1,4 @@
-// What is true of a rig that was photographed.
+// The ground truth of a rig that was photographed.
 #include <string.h>
 #include "core/base/rigid.h"
 #include "world/synth/photographing.h"

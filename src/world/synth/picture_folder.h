@@ -40,8 +40,8 @@ typedef struct FfpStock {
 // NULL or "": none. To be closed if it is true.
 bool ffp_stock_open(FfpStock *stock, const char *materials, const char *patterns, FfpError *err);
 void ffp_stock_close(FfpStock *stock); // {0} is allowed
-// What the scene's seed draws from the folders that there are, put in place of its material and of all its
-// lollipops but the first; _undress takes it away again, with the same stock, whether it succeeded or not.
+// Puts pictures that the scene's seed draws from the folders in place of its material and of all its
+// lollipops but the first; _undress takes them away again, with the same stock, whether it succeeded or not.
 bool ffp_stock_dress(const FfpStock *stock, FfpSceneSpec *spec, FfpError *err);
 void ffp_stock_undress(const FfpStock *stock, FfpSceneSpec *spec);
 

@@ -21,7 +21,7 @@ enum {
 enum { PLACES = 60 }; // tried for a box
 static const float DEGREE = 0.017453293F;
 
-// What has been decided that the rest depends on.
+// Decisions that the rest depends on.
 typedef struct Plan {
     uint64_t seed;
     FfpRoom *room;

@@ -54,7 +54,7 @@ typedef struct FfpSurroundings {
 // `object` NULL: the empty stage. Angle in degrees. The room must live as long. To be freed.
 FfpSurroundings ffp_around_new(const FfpRoom *room, const FfpMesh *object, double angle);
 void ffp_around_free(FfpSurroundings *around);
-// Whether a hit is the room's, not the object's; false for NULL.
+// True if a hit is the room's, not the object's; false for NULL.
 static inline bool ffp_around_has(const FfpSurroundings *around, const FfpHit *hit) {
     return around && hit->triangle >= (uint32_t)around->first[0];
 }

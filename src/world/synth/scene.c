@@ -85,7 +85,7 @@ static void make_patterns(FfpCapture *capture, const FfpSceneSpec *spec) {
     ffp_free(map);
 }
 
-// What the projector sends out for each pattern. `emitted` keeps the images that differ from the patterns.
+// The projector's light for each pattern. `emitted` keeps the images that differ from the patterns.
 static FfpLight make_light(const FfpCapture *capture, const FfpSensor *sensor, FfpImage *emitted) {
     const FfpImage **images = ffp_alloc((size_t)capture->n_patterns, sizeof *images);
     for (int p = 0; p < capture->n_patterns; p++) {
@@ -99,8 +99,8 @@ static FfpLight make_light(const FfpCapture *capture, const FfpSensor *sensor, F
     return light;
 }
 
-// What a view's random numbers are drawn by. Those of the targets follow those of eight input views, however
-// many there are: so targets are the same to the bit for any number of input views.
+// The stream of a view's random numbers. Those of the targets follow those of eight input views, however many
+// there are: so targets are the same to the bit for any number of input views.
 static uint32_t stream_of(const FfpSceneSpec *spec, int index) {
     enum { USUAL_VIEWS = 8, FURTHER_VIEWS = 0x10000 };
     if (index >= spec->views) return (uint32_t)(USUAL_VIEWS + index - spec->views);
@@ -148,7 +148,7 @@ static void make_views(FfpCapture *capture, const FfpSceneSpec *spec, const FfpW
     ffp_free(emitted);
 }
 
-// What is photographed: an object, or a whole scene around it.
+// The subject of the photographs: an object, or a whole scene around it.
 typedef struct Subject {
     FfpMesh made;
     FfpWalk walk;

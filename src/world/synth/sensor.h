@@ -1,4 +1,4 @@
-// What real devices add to the ideal pictures: FfpSensor of synth.h, all of it off by default.
+// Imperfections of real devices, added to the ideal pictures: FfpSensor of synth.h, all of it off by default.
 #ifndef FFP_SYNTH_SENSOR_H
 #define FFP_SYNTH_SENSOR_H
 
@@ -8,10 +8,10 @@
 
 // Within limits: nothing negative but exposure and gamma, nothing that is not finite.
 bool ffp_sensor_check(const FfpSensor *sensor, FfpError *err);
-// Whether the projector sends out something else than its pattern's values.
+// True if the projector sends out anything but its pattern's values.
 bool ffp_sensor_changes_light(const FfpSensor *sensor);
-// What the projector sends out for a pattern (linear, relative to white): gamma, black level, then defocus. A
-// new image.
+// The projector's light for a pattern (linear, relative to white): gamma, black level, then defocus. A new
+// image.
 FfpImage ffp_sensor_emit(const FfpImage *pattern, const FfpSensor *sensor);
 // The same for a picture's file over black. Errors: reading it.
 bool ffp_sensor_emit_file(FfpImage *emitted, const char *path, const FfpSensor *sensor, FfpError *err);

@@ -1,4 +1,4 @@
-// What the camera of one view sees: direct projector light with hard shadows, uniform ambient light with
+// The picture of one view's camera: direct projector light with hard shadows, uniform ambient light with
 // occlusion, one diffuse interreflection of both; in a room (room.h) a lamp's light, too, and two
 // interreflections. One set of rays serves every pattern.
 #ifndef FFP_SYNTH_SIMULATE_H

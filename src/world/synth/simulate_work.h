@@ -1,4 +1,4 @@
-// What simulate.c, surface.c, devices.c and indirect.c share while they trace one view.
+// The common state of simulate.c, surface.c, devices.c and indirect.c while they trace one view.
 #ifndef FFP_SYNTH_SIMULATE_WORK_H
 #define FFP_SYNTH_SIMULATE_WORK_H
 

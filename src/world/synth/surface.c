@@ -1,4 +1,4 @@
-// What lies where a ray meets an object or its room.
+// The surface where a ray meets an object or its room.
 #include "world/synth/chessboard.h"
 #include "world/synth/room.h"
 #include "world/synth/simulate_work.h"

@@ -9,7 +9,7 @@
 #include "core/base/error.h"
 #include "core/capture/capture.h"
 
-// What real devices add to the ideal ones. All 0: nothing, bit for bit.
+// Imperfections of real devices. All 0: nothing, bit for bit.
 typedef struct FfpSensor {
     float exposure; // of the camera, in stops; lamp and ambient (and the capture's intensity) scale with it
     float shot,

@@ -50,7 +50,7 @@ static const Word word_table[] = {
 };
 enum { WORDS = sizeof word_table / sizeof word_table[0] };
 
-// What a file's name says it is: the last word known counts ("rusty_metal_diff_2k.png" is a colour). False:
+// The role of a file by its name: the last word known counts ("rusty_metal_diff_2k.png" is a colour). False:
 // nothing.
 static bool role_of(const char *name, Role *role, bool *down) {
     const char *dot = strrchr(name, '.');

@@ -14,7 +14,7 @@ typedef struct FfpTextures FfpTextures;
 FfpTextures *ffp_textures_read(const char *folder, FfpError *err);
 // The same without the warning, and without the note on a roughness that no map gives.
 FfpTextures *ffp_textures_read_silently(const char *folder, FfpError *err);
-// Whether it has a base colour, without reading it.
+// Checks that it has a base colour, without reading it.
 bool ffp_textures_check(const char *folder, FfpError *err);
 // One picture as the base colour, without other maps.
 FfpTextures *ffp_textures_read_picture(const char *path, FfpError *err);

@@ -65,7 +65,7 @@ static void face(const float direction[3], FfpHit *hit) {
     for (int a = 0; a < 3 && agree < 0; a++) hit->normal[a] = -hit->normal[a];
 }
 
-// What lies where ray k met the mesh.
+// The surface where ray k met the mesh.
 static void describe(const FfpTracer *tracer, const FfpRays *rays, const FfpMet *met, int k, FfpHit *hit) {
     hit->t = met->t[k];
     hit->triangle = met->triangle[k], hit->u = met->u[k], hit->v = met->v[k];

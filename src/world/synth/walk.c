@@ -13,7 +13,7 @@
 enum { STREAM_SHELL = 8100, STREAM_THINGS, STREAM_LIGHT, STREAM_WALK, STREAM_TARGET = 8200 };
 static const double DEGREE = FFP_PI_DOUBLE / 180;
 
-// What has been decided that the rest depends on.
+// Decisions that the rest depends on.
 typedef struct Plan {
     const FfpSceneSpec *spec;
     FfpWalk *walk;

@@ -499,7 +499,8 @@ static void a_missing_photograph_is_told_when_it_is_read(void **state) {
     assert_int_equal(rename(away, there), 0);
 }
 
-// What a reconstruction looks at is as reading all of it gives it, and the rest is not there.
+// The pictures that a reconstruction looks at are as reading the whole capture gives them; the others are not
+// read.
 static void what_is_not_wanted_is_not_read(void **state) {
     (void)state;
     FfpError err;

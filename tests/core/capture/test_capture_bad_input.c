@@ -347,7 +347,7 @@ static void images_beyond_memory_are_refused(void **state) {
     ffp_free(text);
 }
 
-// What counts is what is left, not what the machine has.
+// The limit is the memory that is left, not all that the machine has.
 static void images_beyond_what_is_left_are_refused(void **state) {
     (void)state;
     FfpCapture capture;

@@ -103,7 +103,7 @@ static void expect_corners(const FfpImage *image, int orientation) {
     }
 }
 
-// What reading a file says.
+// The messages of reading a file.
 typedef struct Said {
     const char *name;
     char words[512];

@@ -1,4 +1,4 @@
-// What a projector is to show: Gray codes that decode, pictures of the right shape.
+// Patterns for a projector: Gray codes that decode, pictures of the right shape.
 #include "core/base/alloc.h"
 #include "core/patterns/lollipop.h"
 #include "core/patterns/patterns.h"

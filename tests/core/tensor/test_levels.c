@@ -9,14 +9,14 @@
 
 enum { ROWS = 67, DIM = 83, LD = DIM + 6, SIZE = ROWS * LD, OUTPUTS = 24 };
 
-// What the kernels write, SIZE numbers each. Numbers that they do not write are the same for all.
+// The kernels' outputs, SIZE numbers each. Numbers that they do not write are the same for all.
 typedef struct Outputs {
     float *of[OUTPUTS];
     const char *name[OUTPUTS];
     int count;
 } Outputs;
 
-// What an output holds before: the same at every level.
+// The initial contents of an output: the same at every level.
 static float *filled(int index) {
     FfpRng rng = ffp_rng(19, (uint64_t)index);
     return random_reals(&rng, SIZE, 1, 0);

@@ -58,7 +58,7 @@ static void free_problem(Problem *p) {
     for (int i = 0; i < INPUTS; i++) ffp_free(p->input[i]);
 }
 
-// What the gradients hold before.
+// The initial values of the gradients.
 static real *start_of(const Problem *p, int which) {
     return random_values(p->grads[which], 100 + which, -1, 1);
 }

@@ -27,7 +27,7 @@ typedef struct Case {
     bool keep_shadow;
 } Case;
 
-// What a case is made of, on the host.
+// The inputs of a case, on the host.
 typedef struct World {
     FfpGaussians gaussians;
     FfpCamera camera, projector;
@@ -36,7 +36,7 @@ typedef struct World {
     FfpGbuffer grad_gbuffer;
 } World;
 
-// What came out of it, on the host.
+// Its outputs, on the host.
 typedef struct Result {
     FfpGbuffer gbuffer, samples;
     FfpMapping mapping;

@@ -74,7 +74,7 @@ static double mean_psnr(void) {
     return sum / (capture.n_views * FFP_PHOTOGRAPHS);
 }
 
-// What ffp_denoise does to the mean PSNR; the capture gets its own lists back.
+// The mean PSNR after ffp_denoise; the capture gets its own lists back.
 static double denoised_psnr(double noise) {
     FfpImage *own[FFP_VIEWS_MAX];
     for (int v = 0; v < capture.n_views; v++) own[v] = capture.views[v].images;

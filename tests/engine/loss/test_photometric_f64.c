@@ -119,7 +119,7 @@ static void test_ssim_gradient(void **state) {
     free_case(&c);
 }
 
-// What losses on encoded pictures go back through: the curve's slope, 0 outside [0,1].
+// The derivative behind losses on encoded pictures: the curve's slope, 0 outside [0,1].
 static void test_srgb_slope(void **state) {
     (void)state;
     for (double x = -0.2015; x < 1.3; x += 0.003) {

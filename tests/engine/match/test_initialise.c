@@ -96,7 +96,7 @@ static void assert_share(real value) {
     assert_true(value >= 0 && value <= 1);
 }
 
-// What match.h promises of every pixel.
+// The promises of match.h for every pixel.
 static void check_maps(const FfpCapture *capture, const FfpInitialisation *start) {
     size_t shown = 0;
     for (size_t i = 0; i < count_of(start); i++) {

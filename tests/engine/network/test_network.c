@@ -289,7 +289,7 @@ static void test_the_ratio_told_is_limited(void **state) {
     ffp_model_free(model);
 }
 
-// What tokens are made from is matched with all patterns, too.
+// The context, which tokens are made from, is matched with all patterns, too.
 static void test_the_context_is_matched_with_all_patterns(void **state) {
     (void)state;
     FfpModel *model = new_model("tiny");

@@ -249,7 +249,7 @@ static void solve_coupled(double r[3][3], double u[3]) {
     }
 }
 
-// What the step takes from the centre's numbers; all moments are the caller's.
+// The step's change of the centre's numbers; all moments are the caller's.
 static void coupled_step(const FfpRefineSettings *s, int step, const real *g, double mean[3],
                          double second[3][3], double out[3]) {
     const double b1 = (double)s->beta1, b2 = (double)s->beta2;

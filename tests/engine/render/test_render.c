@@ -552,7 +552,7 @@ static real *far_plane(size_t numbers) {
     return at == MAP_FAILED ? NULL : at;
 }
 
-// What a row goes through, of pictures [height,width].
+// The buffers of a row's test, pictures [height,width].
 typedef struct RowCase {
     FfpCamera camera;
     FfpGbuffer g, d_g;

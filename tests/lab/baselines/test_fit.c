@@ -97,7 +97,7 @@ static void a_checkpoint_is_of_its_pictures(void **state) {
     fit(&field, &s), ffp_neural_field_free(&field);
 }
 
-// What is far behind in a long list tells too.
+// A name far behind in a long list counts too.
 static void long_names_are_not_cut(void **state) {
     (void)state;
     FfpNeuralField field;

@@ -73,7 +73,7 @@ static void matched_depth_predicts_other_renderers_pictures(void **state) {
     assert_true(mean_of_the_four(MATCHED_DEPTH) >= 42);
 }
 
-// What the repository carries of them.
+// The captures of the repository, likewise.
 static void both_predict_the_samples_pictures(void **state) {
     (void)state;
     assert_true(psnr_of_file(FFP_SOURCE_DIR "/data/sample", TRUE_DEPTH) >= 45);

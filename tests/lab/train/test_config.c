@@ -62,7 +62,7 @@ static void test_bad_fields(void **state) {
             "below validate_every");
 }
 
-// What nobody has asked for is in nobody's way.
+// Defaults that nobody has set are in nobody's way.
 static void test_defaults_learn_from_captures(void **state) {
     (void)state;
     FfpTrainConfig config;

@@ -5,7 +5,7 @@
 
 enum { SIDE = 32, SCENES = 3 };
 
-// What the generator's preset `training` and this configuration have in common, but for the resolution.
+// The common settings of the generator's preset `training` and this configuration, but for the resolution.
 static FfpTrainConfig configuration(void) {
     FfpTrainConfig config = ffp_train_defaults();
     config.resolution = SIDE;

@@ -57,7 +57,7 @@ static FfpScene open_with_pictures(const FfpTrainConfig *config, const char *spl
     return scene;
 }
 
-// Whether a training scene is all green, as its true albedo has it.
+// True if a training scene is all green, as its true albedo has it.
 static bool is_green(const FfpTrainConfig *config, const char *split, int64_t number) {
     FfpScene scene = open_with_pictures(config, split, number);
     const FfpView *view = &scene.capture.views[0];
@@ -102,7 +102,7 @@ static void materials(void **state) {
     ffp_remove_tree(root);
 }
 
-// Whether every pattern after the first lollipop is the green picture, and shown as that; none may be, or
+// True if every pattern after the first lollipop is the green picture, and shown as that; none may be, or
 // all.
 static bool shows_green(const FfpTrainConfig *config, const char *split, int64_t number) {
     FfpScene scene = open_with_pictures(config, split, number);

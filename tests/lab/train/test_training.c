@@ -106,7 +106,7 @@ static void test_training_looks_through_the_polish(void **state) {
 
 // --- Names. ---
 
-// What the checkpoint says of weights to begin with, whose file has this name.
+// Checks the checkpoint's record of the initial weights, whose file has this name.
 static void assert_origin(const char *name, const char *begin) {
     FfpError err = {0};
     FfpTrainConfig config;

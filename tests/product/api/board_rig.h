@@ -81,7 +81,7 @@ static const double *camera_rays(void) {
     return rays;
 }
 
-// What each sample of the camera's pixels sees. [CAMERA_H * CAMERA_W * SUB * SUB]
+// The surface that each sample of the camera's pixels sees. [CAMERA_H * CAMERA_W * SUB * SUB]
 static Sample *see(const Placed *board) {
     Sample *samples = ffp_alloc((size_t)CAMERA_W * CAMERA_H * SUB * SUB, sizeof *samples);
     double turn[9];

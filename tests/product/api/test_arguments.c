@@ -1,4 +1,5 @@
-// What a caller in C leaves out, or sets to what there is not, is named: no call falls over it.
+// Arguments that a caller in C leaves out, or sets to values that do not exist, are named: no call falls over
+// them.
 #include "ffprocams/baselines.h"
 #include "initialised.h"
 

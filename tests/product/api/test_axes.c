@@ -1,5 +1,5 @@
-// What was exported and comes back from another program is turned into the capture's world again, in each of
-// the formats, by itself or as one says.
+// Exported splats that come back from another program are turned into the capture's world again, in each of
+// the formats, automatically or on request.
 #include <math.h>
 #include "core/gaussians/gaussians.h"
 #include "initialised.h"

@@ -68,7 +68,7 @@ static void make_spare(void) {
 static int setup(void **state) {
     char path[FFP_PATH_MAX];
     if (scratch_setup(state) != 0) return 1;
-    // Whether there is an OpenCV shows before anything else is looked at.
+    // A missing OpenCV shows before anything else is looked at.
     FfpRigCalibration o = ffp_rig_calibration_defaults();
     FfpError err = {0};
     without_opencv = !ffp_calibrate_rig(NULL, &o, NULL, &err) && err.code == FFP_ERROR_UNSUPPORTED;
@@ -603,8 +603,8 @@ static void a_turntable_comes_back(void **state) {
     }
 }
 
-// What the camera's calibration leaves open is in the axis' uncertainty: a focal length that is known to a
-// hundredth puts the axis a hundredth nearer or farther.
+// The uncertainty of the camera's calibration is part of the axis' uncertainty: a focal length that is known
+// to a hundredth puts the axis a hundredth nearer or farther.
 static void the_camera_is_uncertain_too(void **state) {
     NEEDS_OPENCV();
     static const double angles[STOPS] = {-40, -25, -10, 5, 20, 35, 50};

@@ -1,4 +1,4 @@
-// What is wrong with a capture, as values: of the check, of a call that is refused, and as JSON.
+// Faults of a capture, as values: of the check, of a call that is refused, and as JSON.
 #include <jansson.h>
 #include <math.h>
 #include "core/capture/capture.h"

@@ -180,7 +180,7 @@ static float *array_of(int attribute) {
     return arrays[attribute];
 }
 
-// What moves no outline, so that a step in single precision says anything.
+// Attributes that move no outline, so that differences in single precision say something.
 static void check_gaussians(FfpRenderer *renderer, const Gradients *g) {
     static const double steps[7] = {[ALBEDO] = 1e-3, [ROUGHNESS] = 1e-3, [AMBIENT] = 1e-4};
     static const char *const names[7] = {

@@ -100,7 +100,7 @@ static void files_have_points(void **state) {
     }
 }
 
-// What is wrong with an import of these calibrations: the words are to be the same in every locale.
+// The error of an import of these calibrations: the words are to be the same in every locale.
 static void refuse_import(const char *const *files, int n, FfpError *err) {
     FfpImport how = ffp_import_defaults();
     how.calibrations = files, how.n_calibrations = n, how.folder = in_scratch("imported");

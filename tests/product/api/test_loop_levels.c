@@ -14,7 +14,7 @@
 
 enum { NUMBERS = 1 << 16 };
 
-// What one of the loops gave.
+// The result of one of the loops.
 typedef struct Answer {
     real values[NUMBERS];
     size_t count;

@@ -1,5 +1,5 @@
-// What programs that train the network or fit splats themselves are given: the weights, what the network sees
-// of a capture, and the loss of pictures.
+// Calls for programs that train the network or fit splats themselves: the weights, what the network sees of a
+// capture, and the loss of pictures.
 #include <math.h>
 #include <string.h>
 #include "core/base/rng.h"

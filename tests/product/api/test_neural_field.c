@@ -137,7 +137,7 @@ static void the_loss_is_of_steps_done(void **state) {
     ffp_context_free(context);
 }
 
-// What the fit says of its pictures, an evaluation of the file finds too.
+// An evaluation of the file agrees with the fit's report on its pictures.
 static void a_saved_field_is_evaluated(void **state) {
     (void)state;
     FfpError err = {0};

@@ -1,5 +1,5 @@
 // The page of ffp_write_page: what it holds can be read back, names cannot break it, and it is whole or not
-// there. What a browser makes of it: tests/product/view.
+// there. Its look in a browser: tests/product/view.
 #include <jansson.h>
 #include <math.h>
 #include "core/base/file.h"
@@ -20,7 +20,7 @@ static FfpPageStats write_page(const FfpPage *how) {
     return stats;
 }
 
-// What stands in the script element with that id, up to its end.
+// The contents of the script element with that id, up to its end.
 static char *element(const char *id) {
     char begin[64];
     snprintf(begin, sizeof begin, "id=\"%s\">", id);

@@ -45,7 +45,7 @@ static inline int run_format(ProgramRun *run, const char *format, ...) {
     return run->status;
 }
 
-// Whether a run with `--events 1` told a finding, by its code or another of its texts.
+// True if a run with `--events 1` told a finding, by its code or another of its texts.
 static inline bool has_told(const ProgramRun *run, const char *code) {
     char text[96];
     snprintf(text, sizeof text, "\"%s\"", code);

@@ -194,7 +194,7 @@ static void several_projectors_get_a_pattern_each(void **state) {
     assert_true(number_after("gain ") > 0);
 }
 
-// What the camera sees of the ball under a pattern, encoded.
+// The camera's picture of the ball under a pattern, encoded.
 static FfpImage seen_under(const FfpCamera *camera, const FfpCamera *projector, const FfpImage *pattern) {
     FfpSummed light = ffp_summed_new(pattern);
     FfpImage seen = tiny_photograph(camera, projector, &light);

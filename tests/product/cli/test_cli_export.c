@@ -143,7 +143,8 @@ static void what_is_worth_more_is_not_overwritten(void **state) {
     must_run();
 }
 
-// What `export` writes is what other programs write: it comes back with its colours as albedo, and is drawn.
+// Files of `export` are like those of other programs: they come back with their colours as albedo, and are
+// drawn.
 static void plain_splats_are_read(void **state) {
     (void)state;
     FfpGaussians plain;

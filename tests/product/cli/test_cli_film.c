@@ -1,5 +1,5 @@
-// Films by their endings. What ffmpeg does is its own affair: a script stands in for it, which keeps what it
-// is given.
+// Films by their endings. ffmpeg itself is not tested: a script stands in for it, which keeps what it is
+// given.
 #include <dirent.h>
 #include <sys/stat.h>
 #include "product/cli/program.h"

@@ -407,7 +407,7 @@ static void must_fail(const char *arguments, const char *what) {
     assert_int_equal(rmdir(folder), 0); // nothing was left in it
 }
 
-// What an exposure cuts off is told; what it does not is not spoken of.
+// A note reports pixels that an exposure clips, and nothing is noted if it clips none.
 static void test_what_is_cut_off_is_told(void **state) {
     (void)state;
     char arguments[3000];

@@ -88,7 +88,7 @@ static void the_reference_is_that_of_the_tables(void **state) {
     ffp_free(page);
 }
 
-// What bash would offer behind these words.
+// The completions that bash would offer after these words.
 static void completes(const char *words, const char *offered) {
     char command[1024], path[128], text[4096];
     snprintf(command, sizeof command, BEGIN "%s" END, scratch, words, scratch);

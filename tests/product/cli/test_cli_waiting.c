@@ -13,7 +13,7 @@ static pid_t spin(void) {
     return child;
 }
 
-// Whether the program's environment, as it works on, holds the variable; looks until the program has ended.
+// True if the program's environment, as it works on, holds the variable; looks until the program has ended.
 static bool works_with(const char *variable, const char *policy) {
     const pid_t child = fork();
     assert_true(child >= 0);

@@ -76,7 +76,7 @@ class Studio:
         return status, json.loads(data)
 
     def raw(self, data, wait=5.0):
-        """What comes back for bytes."""
+        """The answer to raw bytes."""
         with socket.create_connection(("127.0.0.1", self.port), timeout=wait) as link:
             got = b""
             try:
@@ -265,7 +265,7 @@ def mangled_requests(studio, seconds):
             continue
         time.sleep(0.02)
         for link in waiting:
-            link.close()  # whether it was answered or waits for more
+            link.close()  # answered or waiting for more
         waiting.clear()
     for link in waiting:
         link.close()
@@ -308,7 +308,7 @@ def wrong_requests_change_nothing(studio):
 
 
 def trials_are_checked(studio):
-    """What an object is compared with later: a stop of it and a pattern, or a picture of the panel's size. Makes an object."""
+    """The picture that an object is compared with later: a stop of it and a pattern, or a picture of the panel's size. Makes an object."""
     studio.do(verb="object", name="x", stops=8)
     (studio.folder / "objects/x").mkdir(parents=True)
     assert "not reconstructed" in studio.do(verb="try", view="view-045", pattern="003_lollipop_0.png")[1]["error"]
@@ -434,7 +434,7 @@ def damaged_settings(program, folder):
 
 
 def jobs_end(studio):
-    """What a step said is kept beside its command."""
+    """A step's messages are kept beside its command."""
     assert studio.do(verb="cancel")[0] == 200
     log = (studio.folder / "logs/patterns.txt").read_text()
     assert log.startswith("$ ffprocams patterns -o patterns --projector 320x200")

@@ -52,7 +52,7 @@ class Page(browser.Browser):
 
     @property
     def said(self):
-        """What the console holds but for the driver's advice on speed."""
+        """The console's lines but for the driver's advice on speed."""
         return [line for line in self.console if "GL Driver Message (OpenGL, Performance" not in line]
 
     def start(self, url):
@@ -463,7 +463,7 @@ def faults(program, found, folder, first):
         page.click("#steps [data-step=rig]")
         page.click("#open-camera")
         page.wait("!!webcam.stream && document.getElementById('camera-held').textContent")
-        # What the camera sees is told while it can still be put right.
+        # Faults of the camera's picture are reported while they can still be put right.
         page.click("#live-white")
         page.wait("document.getElementById('live-says').children.length === 4")
         assert "drowned" in page.run("document.getElementById('live-says').textContent")
@@ -572,7 +572,7 @@ def new_poses(program, folder, first, calibration):
 
 
 def judge(program, folder, first, true=None, limits=(0.003, 0.2, MASKS)):
-    """What a folder's calibration and object are worth, in words; the same as numbers are held to their limits: of the
+    """The quality of a folder's calibration and object, in words; the same as numbers are held to their limits: of the
     focal lengths, of the axis in degrees, of new poses in dB."""
     focal, axis = check_calibration(folder, json.loads((first / "virtual/attitude-00/truth.json").read_text()))
     true = true or new_poses(program, folder, first, "true")

@@ -124,7 +124,7 @@ class Page(browser.Browser):
 
 
 def native(program, capture, folder, threads):
-    """What the program says, processor seconds and MB; on x86-64 at avx2."""
+    """The program's messages, processor seconds and MB; on x86-64 at avx2."""
     level = {"FFPROCAMS_CPU": "avx2"} if os.uname().machine == "x86_64" else {}
     child = subprocess.Popen([program, "reconstruct", capture, "-o", os.path.join(folder, "native.ply")],
                              env={**os.environ, "OMP_NUM_THREADS": str(threads), **level}, stdout=subprocess.PIPE,

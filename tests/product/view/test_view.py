@@ -105,7 +105,7 @@ class Page(browser.Browser):
         }); true""")
 
     def hold(self, on):
-        """Whether the window stays as it is while only pictures are looked at."""
+        """Keeps the window as it is while only pictures are looked at, or lets it go on."""
         self.run("viewer.schedule = () => {}; true" if on else "delete viewer.schedule; viewer.invalidate(); idle()")
         self.held = on
 
@@ -269,7 +269,7 @@ def check_sharpness(check, page, program, ply, data, folder, view):
 
 
 def check_holes(check, page):
-    """What the camera does not see takes its neighbours' levels; while things move, coarse maps stand in."""
+    """Pixels that the camera does not see take their neighbours' levels; while things move, coarse maps stand in."""
     page.run("viewer.setContent(new TestContent('White')); "
              "viewer.setProjectorPose(orbit(viewer.projector.device.pose, viewer.scene.centre, viewer.up, 0.6, 0)); viewer.updatePatterns(); true")
     hidden, dark, beyond = page.run("""(() => { const {maps} = viewer.projector.maps.fine;
@@ -483,7 +483,7 @@ def check_comparison(check, page):
 
 
 def check_kept(check, page, path, folder):
-    """What was made stays: tiles, undo, a file, the browser's store, the exported picture."""
+    """A person's work stays: tiles, undo, a file, the browser's store, the exported picture."""
     page.start(path)
     sun = png(24, 16, lambda x, y: (255, 10 * y, 9 * x))
     tiles = page.run("document.getElementById('contents').children.length")
@@ -630,7 +630,7 @@ def check_keys(check, page):
 
 
 def check_targets(check, page):
-    """What comes late comes to the projector that it was asked for, or not at all."""
+    """A late picture comes to the projector that it was asked for, or not at all."""
     page.run("""(() => { const real = window.realBitmap = createImageBitmap; window.waits = [];
         window.createImageBitmap = async (...given) => { const wait = waits.shift() || 0, made = await real(...given);
             await new Promise((done) => setTimeout(done, wait)); return made; }; })()""")
@@ -658,7 +658,7 @@ def check_targets(check, page):
 
 
 def check_turning(check, page):
-    """What starts overhead comes away from there, and nothing goes over the pole."""
+    """A camera that starts overhead comes away from there, and nothing goes over the pole."""
     angles = page.run("""(() => { const {up} = viewer, c = viewer.scene.centre, aside = normalise3(cross3(up, [0.3, 0.5, 0.7]));
         const angle = (p) => Math.acos(clamp(dot3(normalise3(sub3(positionOf(p), c)), up), -1, 1));
         const start = lookAt(add3(c, add3(scale3(up, 3), scale3(aside, 0.15))), c, up);

@@ -1,4 +1,4 @@
-// What a calibration is read from and written to: photographs in order, names of any bytes, drawings.
+// Files that a calibration is read from and written to: photographs in order, names of any bytes, drawings.
 #include "rig/calibrate/calibrate.h"
 #include "rig/chessboard/attitudes.h"
 #include "rig/optics/document.h"

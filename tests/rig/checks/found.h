@@ -1,4 +1,4 @@
-// What the checks find, by its rule.
+// The findings of the checks, by their rules.
 #ifndef FFP_TESTS_RIG_CHECKS_FOUND_H
 #define FFP_TESTS_RIG_CHECKS_FOUND_H
 

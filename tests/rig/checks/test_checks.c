@@ -287,7 +287,7 @@ static void test_few_views(void **state) {
     capture.n_views = all;
 }
 
-// What is lit in a scene may lie beyond its sphere: rays that pass just beside that are looked along too.
+// Lit surfaces of a scene may lie beyond its sphere: rays that pass just beside that are looked along too.
 static void test_a_scene_reaches_beyond_its_sphere(void **state) {
     (void)state;
     const FfpCamera *camera = &capture.views[0].camera;

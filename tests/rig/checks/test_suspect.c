@@ -1,4 +1,4 @@
-// What people get wrong: each mistake is named with its view, and nothing is said of captures without one.
+// People's mistakes: each is named with its view, and nothing is said of captures without one.
 #include <math.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"

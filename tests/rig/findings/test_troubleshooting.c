@@ -58,7 +58,7 @@ static void templates_are_filled(void **state) {
     ffp_findings_free(&found);
 }
 
-// What a fault explains, no doubt or note of its subject says once more.
+// No doubt or note repeats what a fault of its subject explains.
 static void what_is_worse_speaks_for_its_subject(void **state) {
     (void)state;
     static const FfpRuleId given[] = {FFP_RULE_VIEWS_CONTRADICT, FFP_RULE_CLIPPED, FFP_RULE_VIEW_TURNED,

@@ -702,7 +702,7 @@ static void test_outlines_are_no_disorder(void **state) {
     ffp_image_free(&map);
 }
 
-// What a capture's file may hold.
+// Contents that a capture's file may have.
 static void test_bad_correspondences(void **state) {
     (void)state;
     FfpCapture capture;

@@ -62,7 +62,7 @@ static void open_import(Import *import, int times, int right) {
                                        }};
 }
 
-// Whether the mask was replaced; if not, it must be the same as before.
+// True if the mask was replaced; if not, it must be the same as before.
 static bool refined(int times, int right) {
     Import import;
     open_import(&import, times, right);

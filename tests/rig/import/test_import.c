@@ -103,7 +103,7 @@ static void pixel_ray(const FfpStop *stop, double u, double v, real direction[3]
     ffp_normalise3(direction);
 }
 
-// What the projector sends to a point, lens and all; false behind it.
+// The projector's light at a point, lens and all; black off its picture.
 static void light_at(const Rig *rig, const FfpStop *stop, const FfpSummed *pattern, const real point[3],
                      real out[3]) {
     const FfpOptics *o = &rig->projector;
@@ -282,7 +282,7 @@ static void ideal_stop(const FfpView *view, Rig *rig, FfpStop *stop) {
         stop->c2w[i] = (double)view->camera.pose[i], stop->p2w[i] = (double)view->projector.pose[i];
 }
 
-// Whether the ball fills the pixel and all its neighbours: resampled, others hold some background.
+// True if the ball fills the pixel and all its neighbours: resampled, others hold some background.
 static bool is_inside(const FfpImage *drawn, int i) {
     const int x = i % drawn->width, y = i / drawn->width;
     if (x == 0 || y == 0 || x + 1 == drawn->width || y + 1 == drawn->height) return false;

@@ -128,7 +128,7 @@ static void only_what_is_round_is_marked(void **state) {
     free_room(room);
 }
 
-// What no stops share a look of is not asked for.
+// Parts of which no two stops share a look are not marked.
 static void only_what_is_known_is_marked(void **state) {
     (void)state;
     Room *room = new_room();

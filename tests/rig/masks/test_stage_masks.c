@@ -28,7 +28,7 @@ static double hit(const double from[3], const double d[3], const double centre[3
     return root > 0 && t > 1e-4 ? t : INFINITY;
 }
 
-// What the projector sends under a pattern in a direction, x / z: black, white, stripes of three widths.
+// The projector's light under a pattern in a direction, x / z: black, white, stripes of three widths.
 static double sent(double direction, int pattern, int channel) {
     static const double frequencies[3] = {6, 14, 33};
     return pattern < 2 ? pattern : 0.5 + 0.5 * sin(frequencies[channel] * direction);
@@ -46,7 +46,7 @@ static void light(const double point[3], const double normal[3], const double al
         out[c] = albedo[c] * (0.02 + lit * sent(direction, pattern, c) + 0.01 * (pattern > 0));
 }
 
-// The light along a pixel's ray; whether it is the ball's. NULL: there is no ball.
+// The light along a pixel's ray; true if it is the ball's. NULL: there is no ball.
 static bool shade(const double d[3], const double centre[3], int pattern, double out[3]) {
     static const double red[3] = {0.7, 0.2, 0.1}, forward[3] = {0, 0, -1}, origin[3] = {0, 0, 0};
     double point[3], normal[3], to[3], length = 0;
@@ -283,7 +283,7 @@ static bool compare_with_stage(void *room, FfpError *e) {
     return ffp_masks_compare_stage(&(FfpMasking){.capture = &r->capture, .made = made, .stages = stages}, e);
 }
 
-// What is said of the room's stage.
+// The finding about the room's stage.
 static const char *told_of(Room *room) {
     FfpContext context = {.settings = {.finding = keep_finding}};
     told[0] = 0;
@@ -332,7 +332,7 @@ static void an_exchanged_stage_is_refused(void **state) {
     free_room(room);
 }
 
-// What the views share is the stage as it is alone, and makes nearly as good masks.
+// The views' common look is that of the empty stage, and makes nearly as good masks.
 static void what_stays_the_same_is_the_stage(void **state) {
     (void)state;
     Room *room = new_room(true);

@@ -40,7 +40,7 @@ static double psnr(const FfpImage *a, const FfpImage *b, int margin) {
     return -10 * log10(sum / count);
 }
 
-// What an import makes of a shown pattern, shown again, is the pattern.
+// An imported pattern, shown again, is the pattern that was shown.
 static void distorting_undoes_rectifying(void **state) {
     (void)state;
     FfpCamera ideal = {0};

@@ -18,7 +18,7 @@ enum { WIDTH = 640, HEIGHT = 480, PANEL_WIDTH = 800, PANEL_HEIGHT = 500, PLACES 
 
 static const double camera_lens[5] = {-0.08, 0.02, 0, 0, 0}, projector_lens[5] = {-0.04, 0, 0, 0, 0};
 
-// What is different from a sound walk.
+// Differences from a sound walk.
 typedef struct Walk {
     double apart;  // degrees from one place to the next
     bool flat;     // a wall alone
@@ -142,7 +142,7 @@ static void a_walk_is_found(void **state) {
     check_found(&(Walk){.apart = 12});
 }
 
-// What files tell holds where nobody gives a lens, if it can be one.
+// The files' focal length holds if nobody gives a lens and it is plausible.
 static void files_tell_the_lens(void **state) {
     (void)state;
     const FfpTracks tracks = {.width = 600, .height = 400, .focal_35mm = 50},

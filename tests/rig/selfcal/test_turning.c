@@ -1,6 +1,6 @@
 // Labels: slow
-// What the stops of a turntable see to optics, axis and angles, without pictures; what is left out, and what
-// cannot be known.
+// From the sightings of a turntable's stops to optics, axis and angles, without pictures; the stops that are
+// left out, and the quantities that cannot be known.
 #include <math.h>
 #include <string.h>
 #include "core/base/alloc.h"
@@ -26,7 +26,7 @@ enum { COLUMNS = PANEL_WIDTH / PITCH, ROWS = (PANEL_HEIGHT + PITCH - 1) / PITCH 
 static const double camera_lens[5] = {-0.08, 0.02, 0, 0, 0}, projector_lens[5] = {-0.04, 0, 0, 0, 0};
 static const double axis_point[3] = {0.02, 0.1, 2.2}; // camera's frame; the projector is one unit away
 
-// What is different from a sound turntable.
+// Differences from a sound turntable.
 typedef struct Table {
     bool round;    // the object is the same from all sides
     bool mirrored; // pictures

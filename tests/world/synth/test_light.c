@@ -33,7 +33,7 @@ static FfpImage coarse_of(const FfpImage *image) {
     return out;
 }
 
-// What ffp_image_sample says of pattern p at the lookup, times the colour.
+// Expects the result of ffp_image_sample for pattern p at the lookup, times the colour.
 static void expect_sample(const FfpLight *light, const FfpImage *image, int p, float u, float v,
                           const float colour[3], const float *sum) {
     real want[3];

@@ -243,7 +243,7 @@ static void a_seed_is_a_room(void **state) {
     ffp_room_free(&a), ffp_room_free(&same), ffp_room_free(&other);
 }
 
-// What turns with the table keeps its place in the object's frame, and the rest turns the other way.
+// Things that turn with the table keep their place in the object's frame, and the rest turns the other way.
 static void the_room_stands_still(void **state) {
     (void)state;
     FfpRoom room = ffp_room_draw(1, -0.9F, 480, 640, 400);

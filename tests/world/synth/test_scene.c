@@ -122,7 +122,7 @@ static void assert_same_view(const FfpView *x, const FfpView *y, int patterns) {
     assert_true(same_image(&x->albedo, &y->albedo));
 }
 
-// What figures over the number of views are compared on: object, material, light, patterns and targets are
+// The common subject of figures over the number of views: object, material, light, patterns and targets are
 // the same to the bit, noise and pose errors included.
 static void rig_and_number_of_views_leave_the_scene(void **state) {
     (void)state;

@@ -50,7 +50,7 @@ typedef struct Rotation {
     double c, s;
 } Rotation;
 
-// What brings a[p][q] to 0.
+// The rotation that brings a[p][q] to 0.
 static Rotation rotation_of(const double *a, int n, int p, int q) {
     const double off = a[p * n + q];
     if (off == 0) return (Rotation){1, 0};

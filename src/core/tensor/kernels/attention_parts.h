@@ -1,9 +1,9 @@
-// What attention's two passes share: the layout of the scratch, the normalised and packed rows. Inside the
-// kernels folder only.
+// Common parts of attention's two passes: the layout of the scratch, the normalised and packed rows. Inside
+// the kernels folder only.
 //
-// The rows of each head are cut into segments of FFP_SEGMENT. What a product needs of a segment is packed
-// once and by itself. Scores are kept to base 2: q carries log2(e) / sqrt(head_dim), so that the softmax
-// weight is 2^score.
+// The rows of each head are cut into segments of FFP_SEGMENT. The operands of a product are packed once for
+// each segment. Scores are kept to base 2: q carries log2(e) / sqrt(head_dim), so that the softmax weight is
+// 2^score.
 #ifndef FFP_TENSOR_KERNELS_ATTENTION_PARTS_H
 #define FFP_TENSOR_KERNELS_ATTENTION_PARTS_H
 

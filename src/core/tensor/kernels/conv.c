@@ -38,7 +38,7 @@ static inline int source_row(const FfpDepthwise *conv, int t, int k) {
     return k < conv->taps && row < conv->rows ? row : -1;
 }
 
-// What it reads of a strip; zeros where there is no row.
+// The row that it reads of a strip; zeros where there is no row.
 static inline const real *source(const FfpDepthwise *conv, const Strip *strip, int t, int k) {
     static const real zeros[CHANNELS];
     const int row = source_row(conv, t, k);
@@ -91,7 +91,7 @@ typedef struct Sums {
     real weights[FFP_CONV_TAPS_MAX][COLUMNS], bias[COLUMNS];
 } Sums;
 
-// What row t of a strip reads and adds to.
+// The operands of row t of a strip, read and added to.
 typedef struct Row {
     const real *dy, *x[FFP_CONV_TAPS_MAX];
     real *dx[FFP_CONV_TAPS_MAX];

@@ -1,4 +1,4 @@
-// What the scan's two passes share: the layout of the scratch, decays, chunk states. Inside the kernels
+// Common parts of the scan's two passes: the layout of the scratch, decays, chunk states. Inside the kernels
 // folder only.
 //
 // Within a chunk everything keeps the rows' order in memory; a reversed scan only turns the cumulative sums,

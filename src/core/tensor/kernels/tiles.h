@@ -9,7 +9,7 @@
 
 enum { FFP_TILES_COUNT = 8, FFP_TILE_ROWS = 16, FFP_TILE_BYTES = 64 }; // bytes: of a row
 
-// What LDTILECFG reads: the rows and the bytes a row of every tile, palette 1.
+// The operand of LDTILECFG: the rows and the bytes a row of every tile, palette 1.
 typedef struct FfpTileShapes {
     uint8_t palette, start_row, reserved[14];
     uint16_t row_bytes[16];

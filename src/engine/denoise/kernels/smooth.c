@@ -1,4 +1,4 @@
-// What the windows that hold a pixel make of it, and the table of one CPU level.
+// Smooths a pixel by the windows that hold it, and the table of one CPU level.
 #include <string.h>
 #include <tgmath.h>
 #include "engine/denoise/kernels/kernels.h"

@@ -1,4 +1,4 @@
-// What the light of a row of samples gives to the gradients of the devices that send and see it (aim.h).
+// Gradients of projector and camera from the light of a row of samples (aim.h).
 #include "engine/render/kernels/kernels.h"
 
 // out[0..2] += g, out[3..5] += p x g: of what moves rigidly with a device, g the gradient of point p.

@@ -9,7 +9,7 @@ enum { ROW = 16, MOMENTS = 8, BATCH = 64 };
 typedef real Row __attribute__((vector_size(ROW * sizeof(real))));
 typedef real Moments __attribute__((vector_size(MOMENTS * sizeof(real))));
 
-// What is known of a block's pixels.
+// The state of a block's pixels.
 typedef struct Pixels {
     Lanes grad[FFP_CHANNELS], spread;   // of the loss; spread: twice that of the distortion
     Lanes opacity, depth;               // whole sums over the splats: A_tot, E_tot

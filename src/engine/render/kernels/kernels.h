@@ -22,7 +22,7 @@ typedef void FfpBlendTile(const FfpRaster *raster, int tile, int channels, FfpGb
 typedef void FfpBlendTileBackward(FfpRaster *raster, int tile, const FfpGbuffer *out,
                                   const FfpGbuffer *grad_out);
 
-// What ffp_shade_backward takes and adds to.
+// Operands of ffp_shade_backward, read and added to.
 typedef struct FfpShadeGrad {
     const FfpImage *image;
     real *ambient;
@@ -30,7 +30,7 @@ typedef struct FfpShadeGrad {
     FfpSummed *pattern; // or NULL
 } FfpShadeGrad;
 
-// What the projector's light falls on.
+// The surface that the projector's light falls on.
 typedef struct FfpLitScene {
     const FfpGbuffer *gbuffer;
     const FfpMapping *mapping;

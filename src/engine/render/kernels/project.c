@@ -3,7 +3,7 @@
 // every formula a vector at a time.
 #include "engine/render/kernels/frame.h"
 
-// What a batch of Gaussians looks like.
+// The appearance of a batch of Gaussians.
 typedef struct Seen {
     Column x, y, power[3], opacity, depth, normal[3];
     Column x0, y0, x1, y1; // whole pixels; x0 = x1: not drawn

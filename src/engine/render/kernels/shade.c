@@ -39,7 +39,7 @@ ALWAYS_INLINE FfpSums sums_at(const SumColumns *c, int i) {
                      c->visibility[i]};
 }
 
-// Whether light falls on any of the pixels.
+// True if light falls on any of the pixels.
 static bool any_visible(const real *visibility, int count) {
     unsigned any = 0;
     for (int i = 0; i < count; i++) any |= visibility[i] > 0 ? 1 : 0;

@@ -55,7 +55,7 @@ float FFP_K(ridges)(const float p[3], uint32_t seed, int octaves) {
     return sum / total;
 }
 
-// The 27 cubes around a point's own. What fills the vectors up lies too far off to be the nearest.
+// The 27 cubes around a point's own. The padding of the vectors lies too far off to be the nearest.
 enum { CUBES = 32, FAR = 1024 };
 static const int32_t cube_offset[3][CUBES] = {
     {-1, 0, 1,  -1, 0, 1,  -1, 0, 1,  -1, 0, 1,   -1,  0,   1,   -1,
