@@ -371,16 +371,17 @@ FFP_API bool ffp_model_save(FfpContext *context, const FfpModel *model, const ch
 // The network's inputs, made from a capture. All arrays are the handle's.
 typedef struct FfpPrepared FfpPrepared;
 typedef struct FfpPreparedArrays {
-    int tokens, token_width; // token_width: a patch's pixels times `channels` of the inputs
-    int64_t count;           // Gaussians, one for each pixel that gets one
-    int taps;                // rows of the map of features that each of them takes
-    int n_used, channels;    // tokens that a Gaussian needs; a pixel's own inputs, 0: none
-    const float *inputs;     // [tokens,token_width]
-    const int32_t *used;     // [n_used] those tokens; the map of features is theirs, a row for each pixel
-    const int32_t *row;      // [count,taps] in that map
-    const float *weight;     // [count,taps] of the rows, sum 1
-    const float *own;        // [count,channels]; NULL: none
-    const float *context;    // [count,2] what tells a pixel from the tokens' pixels; NULL: they are the same
+    int tokens, token_width;   // token_width: a patch's pixels times `channels` of the inputs
+    int64_t count;             // Gaussians, one for each pixel that gets one
+    int taps;                  // rows of the map of features that each of them takes
+    int raw_width, seen_width; // a Gaussian's raw numbers; its inputs to a look, 0: the model has none
+    int n_used, channels;      // tokens that a Gaussian needs; a pixel's own inputs, 0: none
+    const float *inputs;       // [tokens,token_width]
+    const int32_t *used;       // [n_used] those tokens; the map of features is theirs, a row for each pixel
+    const int32_t *row;        // [count,taps] in that map
+    const float *weight;       // [count,taps] of the rows, sum 1
+    const float *own;          // [count,channels]; NULL: none
+    const float *context; // [count,2] what tells a pixel from the tokens' pixels; NULL: they are the same
     // [count,FFP_PREPARED_BASE] what the heads start from, in the capture's bounding sphere
     // (ffp_capture_bounds) as unit: camera 3, unit ray 3, distance of the ray's point nearest to the centre,
     // footprint; and of the classical initialisation: distance, its logit, logit of the opacity,
@@ -390,11 +391,16 @@ typedef struct FfpPreparedArrays {
 #define FFP_PREPARED_BASE 21
 // Works as ffp_reconstruct does up to the network of `options->model`: noise filter, matching, classical
 // initialisation; `polish`, `layers`, `drawing` are ignored. Errors: as there; a capture of a whole scene, or
-// a model with `appearance_cnn` or `looks`
-// (FFP_ERROR_UNSUPPORTED).
+// a model with `appearance_cnn` (FFP_ERROR_UNSUPPORTED).
 FFP_API FfpPrepared *ffp_prepare(FfpContext *context, const FfpCapture *capture,
                                  const FfpReconstruction *options, FfpError *err);
 FFP_API FfpPreparedArrays ffp_prepared_arrays(const FfpPrepared *prepared);
+// A look (FfpModelForm.looks): the input views are drawn with the Gaussians of raw [count,raw_width], the
+// heads' numbers before their formulas; seen [count,seen_width] receives what each Gaussian's correction
+// follows from (src/engine/network/look_formula.h). Errors: a number that is not finite; a model without
+// looks.
+FFP_API bool ffp_prepared_look(FfpContext *context, const FfpPrepared *prepared, const float *raw,
+                               float *seen, FfpError *err);
 FFP_API void ffp_prepared_close(FfpPrepared *prepared);
 
 // The loss of sRGB-encoded pictures that all fits here share (FF-ProCams, Eqs. 18, 19):

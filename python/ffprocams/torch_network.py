@@ -63,6 +63,8 @@ class Prepared:
     base: Tensor  #: [count,21] what the heads start from
     centre: Tensor  #: [3] of the capture's bounding sphere, world units
     radius: float
+    handle: Any  #: the library's, for looks
+    seen_width: int  #: numbers of a Gaussian at a look; 0: the model has none
 
     @classmethod
     def of(
@@ -109,10 +111,29 @@ class Prepared:
             base=floats(a.base, count, sum(_BASE)),
             centre=torch.from_numpy(np.asarray(capture.centre, np.float32)),
             radius=capture.radius,
+            handle=handle,
+            seen_width=a.seen_width,
         )
 
     def __len__(self) -> int:
         return len(self.base)
+
+    def look(self, raw: Tensor) -> Tensor:
+        """[count,seen_width]: errors of the input views drawn with the Gaussians of these raw numbers, as each Gaussian sees
+        them. No gradient passes through it."""
+        numbers = np.ascontiguousarray(raw.detach().cpu().numpy(), np.float32)
+        seen = np.empty((len(self), self.seen_width), np.float32)
+        with Call() as call:
+            call.check(
+                lib.ffp_prepared_look(
+                    call.context,
+                    self.handle,
+                    ffi.from_buffer("float[]", numbers),
+                    ffi.from_buffer("float[]", seen, require_writable=True),
+                    call.error,
+                )
+            )
+        return torch.from_numpy(seen).to(raw)
 
 
 def _scan(
@@ -204,9 +225,8 @@ class Network(torch.nn.Module):
         super().__init__()
         self._model = model if isinstance(model, Model) else Model.open(model)
         self.form = _Form.of(self._model)
-        for field in ("appearance_cnn", "looks"):
-            if getattr(self.form, field):
-                raise argument_error(f"{field} is not part of ffprocams.torch", "model")
+        if self.form.appearance_cnn:
+            raise argument_error("appearance_cnn is not part of ffprocams.torch", "model")
         self.names = list(self._model.weights())  #: of the weights, in the file's order
         for name, values in self._model.weights().items():
             self.register_parameter(
@@ -220,7 +240,7 @@ class Network(torch.nn.Module):
 
     def heads(self) -> Iterator[torch.nn.Parameter]:
         """The parameters behind the encoder: what a fine-tuning may be content with."""
-        return (p for name, p in self.named_parameters() if name.startswith(("pixel_", "head_")))
+        return (p for name, p in self.named_parameters() if name.startswith(("pixel_", "head_", "look_")))
 
     def _mamba(self, x: Tensor, i: int) -> Tensor:
         form = self.form
@@ -288,12 +308,19 @@ class Network(torch.nn.Module):
         if not form.pixel_skip:
             return x
         x = torch.cat((x, prepared.own), 1)
+        told = F.linear(prepared.context, self.at("pixel.context")) if form.context_inputs and len(prepared.context) else 0
+        out = self._pixel("pixel", x, told)
+        for look in range(form.looks):
+            name = f"look.{look}"
+            out = out + self._pixel(name, x, F.linear(prepared.look(out), self.at(name, "errors")))
+        return out
+
+    def _pixel(self, name: str, x: Tensor, more: Tensor | int) -> Tensor:
+        """A pixel's layers; `more` goes to the first hidden one."""
         for i in range(_HIDDEN_LAYERS):
-            x = F.linear(x, self.at("pixel.hidden", i, "weight"), self.at("pixel.hidden", i, "bias"))
-            if i == 0 and form.context_inputs and len(prepared.context):
-                x = x + F.linear(prepared.context, self.at("pixel.context"))
-            x = F.gelu(x)
-        return F.linear(x, self.at("pixel.last.weight"), self.at("pixel.last.bias"))
+            x = F.linear(x, self.at(name, "hidden", i, "weight"), self.at(name, "hidden", i, "bias"))
+            x = F.gelu(x + more if i == 0 else x)
+        return F.linear(x, self.at(name, "last.weight"), self.at(name, "last.bias"))
 
     def splats(self, raw: Tensor, prepared: Prepared) -> Parts:
         """The heads' formulas."""

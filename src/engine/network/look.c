@@ -103,6 +103,10 @@ void ffp_look(real *numbers, FfpViewPass *pass, const FfpGaussians *gaussians, c
     for (int k = 0; k < 3; k++) ffp_image_free(&picture[k]);
 }
 
+FfpLookMaps ffp_look_maps(const FfpPhotographs *p, const real *numbers) {
+    return (FfpLookMaps){p->views, p->width, p->height, p->camera_there, p->frame, numbers};
+}
+
 void ffp_look_gather(real *out, const FfpLooked *l, int64_t first, int count) {
     if (ffp_device()) {
         ffp_device()->network->look_gather(out, l, first, count);

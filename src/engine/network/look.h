@@ -31,6 +31,8 @@ void ffp_photographs_free(
 void ffp_look(real *numbers, FfpViewPass *pass, const FfpGaussians *gaussians,
               const FfpPhotographs *photographs);
 
+FfpLookMaps ffp_look_maps(const FfpPhotographs *photographs, const real *numbers);
+
 // The Gaussians, and the maps in which their errors are looked up.
 typedef struct FfpLooked {
     FfpLookMaps maps;

@@ -127,6 +127,7 @@ FfpPrepared *ffp_prepared_new(const FfpModelConfig *config, const FfpCapture *ca
     prepare_pixels(p, &s);
     prepare_taps(p, &s);
     prepare_context_inputs(p, &s);
+    p->config = *config;
     if (config->looks) p->photographs = ffp_photographs_new(capture, views, active);
     ffp_pixel_context_free(&own);
     return p;
@@ -169,6 +170,32 @@ int64_t ffp_prepared_count(const FfpPrepared *prepared) {
 
 const int64_t *ffp_prepared_pixels(const FfpPrepared *prepared) {
     return prepared->pixel;
+}
+
+bool ffp_prepared_seen(const FfpPrepared *p, const real *raw, real *out, FfpError *err) {
+    const FfpModelConfig *config = &p->config;
+    const FfpPhotographs *photographs = p->photographs;
+    if (!photographs) return ffp_fail(err, FFP_ERROR_ARGUMENT, "prepared", "the model has no looks");
+    FfpRun *run = ffp_run_new(false);
+    const FfpPixels pixels = {p->count, p->base, (real *)raw}; // only read
+    const bool ok = ffp_pixels_splat(&pixels, run, config) ||
+                    ffp_fail(err, FFP_ERROR_ARGUMENT, "raw", "holds a number that is not finite");
+    if (ok) {
+        const FfpRenderSettings render =
+            ffp_render_settings(ffp_model_is_paper_form(config), config->samples);
+        FfpViewPass *pass = ffp_view_pass_new(&render);
+        real *maps =
+            ffp_alloc((size_t)photographs->views * (size_t)photographs->width * (size_t)photographs->height,
+                      FFP_LOOK_NUMBERS * sizeof *maps);
+        ffp_look(maps, pass, &run->gaussians, photographs);
+        const FfpLooked looked = {ffp_look_maps(photographs, maps), p->pixel, run->gaussians.centre, raw,
+                                  ffp_head_numbers(config)};
+        ffp_look_gather(out, &looked, 0, (int)p->count);
+        ffp_free(maps);
+        ffp_view_pass_free(pass);
+    }
+    ffp_run_free(run);
+    return ok;
 }
 
 FfpModel ffp_model_uploaded(const FfpModel *model) {

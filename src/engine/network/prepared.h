@@ -23,7 +23,12 @@ struct FfpPrepared {
     real *context_inputs; // [count, context channels]; NULL where there is nothing to tell
     // With looks:
     FfpPhotographs *photographs;
+    FfpModelConfig config;
     int64_t *pixel_there; // [count] `pixel` where the arrays above are
 };
+
+// For a network that runs elsewhere, on the CPU: out [count, FFP_LOOK_SEEN + numbers], what the Gaussians of
+// raw [count, numbers] see at a look. Errors: a number is not finite, or no looks are in the configuration.
+bool ffp_prepared_seen(const FfpPrepared *prepared, const real *raw, real *out, FfpError *err);
 
 #endif

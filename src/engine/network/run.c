@@ -284,11 +284,8 @@ static void look(FfpRun *run, const FfpModel *model, int round) {
         at->pass = ffp_view_pass_new(&render);
     }
     ffp_look(maps, at->pass, &run->gaussians, p);
-    const FfpLooked looked = {{p->views, p->width, p->height, p->camera_there, p->frame, maps},
-                              prepared ? prepared->pixel_there : run->pixel,
-                              run->gaussians.centre,
-                              at->pixels.raw,
-                              numbers};
+    const FfpLooked looked = {ffp_look_maps(p, maps), prepared ? prepared->pixel_there : run->pixel,
+                              run->gaussians.centre, at->pixels.raw, numbers};
     for (int64_t first = 0; first < at->pixels.count; first += ffp_head_block()) {
         const int count = block_count(at, first);
         real *seen = at->seen[round] + (at->backward ? first * width : 0);

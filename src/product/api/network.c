@@ -4,6 +4,7 @@
 #include "core/base/call.h"
 #include "core/image/image.h"
 #include "engine/loss/loss.h"
+#include "engine/network/layout.h"
 #include "engine/network/prepared.h"
 #include "engine/pipeline/reconstruct.h"
 #include "product/api/arguments.h"
@@ -79,11 +80,6 @@ FfpPrepared *ffp_prepare(FfpContext *context, const FfpCapture *capture, const F
     if (!ffp_need_photographs(capture, err) || !ffp_need(options, "options", err) ||
         !ffp_need(options->model, "options.model", err))
         return NULL;
-    if (options->model->config.looks) {
-        ffp_fail(err, FFP_ERROR_UNSUPPORTED, "looks",
-                 "this model draws what it predicts, inside the library alone");
-        return NULL;
-    }
     return ffp_call_run(context, prepare, &call, err) ? call.prepared : NULL;
 }
 
@@ -92,6 +88,9 @@ FfpPreparedArrays ffp_prepared_arrays(const FfpPrepared *p) {
                                .token_width = (int)(p->inputs_count / (size_t)p->tokens),
                                .count = p->count,
                                .taps = p->taps.taps,
+                               .raw_width = ffp_head_numbers(&p->config),
+                               .seen_width =
+                                   p->photographs ? FFP_LOOK_SEEN + ffp_head_numbers(&p->config) : 0,
                                .n_used = p->n_used,
                                .channels = p->own ? p->channels : 0,
                                .inputs = p->inputs,
@@ -101,6 +100,25 @@ FfpPreparedArrays ffp_prepared_arrays(const FfpPrepared *p) {
                                .own = p->own,
                                .context = p->context_inputs,
                                .base = p->base->origin};
+}
+
+typedef struct LookCall {
+    const FfpPrepared *prepared;
+    const float *raw;
+    float *seen;
+} LookCall;
+
+static bool look(void *argument, FfpError *err) {
+    const LookCall *call = argument;
+    return ffp_prepared_seen(call->prepared, call->raw, call->seen, err);
+}
+
+bool ffp_prepared_look(FfpContext *context, const FfpPrepared *prepared, const float *raw, float *seen,
+                       FfpError *err) {
+    LookCall call = {prepared, raw, seen};
+    if (!ffp_need(prepared, "prepared", err) || !ffp_need(raw, "raw", err) || !ffp_need(seen, "seen", err))
+        return false;
+    return ffp_call_run(context, look, &call, err);
 }
 
 void ffp_prepared_close(FfpPrepared *prepared) {
