@@ -162,14 +162,14 @@ static void look_compare(float *numbers, const FfpLookPictures *drawn, const flo
     ffp_launch_each(pixels, look_compare_each, numbers, *drawn, colour, coverage);
 }
 
-static __global__ void look_gather_each(size_t count, float *out, FfpLooked l, int64_t first) {
+static __global__ void look_gather_each(size_t count, float *out, FfpLookInputs l, int64_t first) {
     const size_t i = ffp_thread(), g = (size_t)first + i;
     if (i < count)
         ffp_look_inputs(out + i * (size_t)(FFP_LOOK_SEEN + l.numbers), &l.maps, l.pixel[g], l.centre + 3 * g,
                         l.raw + g * (size_t)l.numbers, l.numbers);
 }
 
-static void look_gather(float *out, const FfpLooked *looked, int64_t first, int count) {
+static void look_gather(float *out, const FfpLookInputs *looked, int64_t first, int count) {
     ffp_launch_each((size_t)count, look_gather_each, out, *looked, first);
 }
 

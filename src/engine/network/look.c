@@ -4,7 +4,7 @@
 #include "core/image/srgb_formula.h"
 #include "engine/network/table.h"
 
-static void encode_view(FfpPhotographs *p, const FfpCapture *capture, int v, int active) {
+static void encode_view(FfpLookPhotographs *p, const FfpCapture *capture, int v, int active) {
     const FfpView *view = &capture->views[v];
     const int shown[3] = {capture->black, capture->white, active};
     const size_t area = (size_t)p->width * (size_t)p->height;
@@ -23,30 +23,30 @@ static void encode_view(FfpPhotographs *p, const FfpCapture *capture, int v, int
     p->frame[2 * v + 1] = view->frame_height ? view->frame_height : p->height;
 }
 
-FfpPhotographs *ffp_photographs_new(const FfpCapture *capture, int views, int active) {
+FfpLookPhotographs *ffp_look_photographs_new(const FfpCapture *capture, int views, int active) {
     const FfpCamera *first = &capture->views[0].camera;
     const size_t n = (size_t)views, area = (size_t)first->width * (size_t)first->height;
-    FfpPhotographs *p = ffp_alloc(1, sizeof *p);
-    *p = (FfpPhotographs){.views = views,
-                          .width = first->width,
-                          .height = first->height,
-                          .projector = ffp_alloc(n, sizeof *p->projector),
-                          .camera = ffp_alloc(n, sizeof *p->camera),
-                          .frame = ffp_alloc(2 * n, sizeof *p->frame),
-                          .colour = ffp_alloc(n * area, FFP_LOOK_COLOURS * sizeof *p->colour),
-                          .coverage = ffp_alloc(n * area, sizeof *p->coverage),
-                          .pattern = {ffp_summed_new(&capture->patterns[capture->white].image),
-                                      ffp_summed_new(&capture->patterns[active].image)}};
+    FfpLookPhotographs *p = ffp_alloc(1, sizeof *p);
+    *p = (FfpLookPhotographs){.views = views,
+                              .width = first->width,
+                              .height = first->height,
+                              .projector = ffp_alloc(n, sizeof *p->projector),
+                              .camera = ffp_alloc(n, sizeof *p->camera),
+                              .frame = ffp_alloc(2 * n, sizeof *p->frame),
+                              .colour = ffp_alloc(n * area, FFP_LOOK_COLOURS * sizeof *p->colour),
+                              .coverage = ffp_alloc(n * area, sizeof *p->coverage),
+                              .pattern = {ffp_summed_new(&capture->patterns[capture->white].image),
+                                          ffp_summed_new(&capture->patterns[active].image)}};
     p->camera_there = p->camera;
     for (int k = 0; k < 3; k++) p->intensity[k] = capture->intensity[k];
     for (int v = 0; v < views; v++) encode_view(p, capture, v, active);
     return p;
 }
 
-FfpPhotographs *ffp_photographs_uploaded(const FfpPhotographs *here) {
+FfpLookPhotographs *ffp_look_photographs_uploaded(const FfpLookPhotographs *here) {
     if (!here) return NULL;
     const size_t n = (size_t)here->views, area = (size_t)here->width * (size_t)here->height;
-    FfpPhotographs *p = ffp_alloc(1, sizeof *p);
+    FfpLookPhotographs *p = ffp_alloc(1, sizeof *p);
     *p = *here;
     p->camera = ffp_alloc(n, sizeof *p->camera);
     p->projector = ffp_alloc(n, sizeof *p->projector);
@@ -62,7 +62,7 @@ FfpPhotographs *ffp_photographs_uploaded(const FfpPhotographs *here) {
     return p;
 }
 
-void ffp_photographs_free(FfpPhotographs *p) {
+void ffp_look_photographs_free(FfpLookPhotographs *p) {
     if (!p) return;
     if (p->camera_there != p->camera) ffp_memory_free(p->camera_there);
     ffp_memory_free(p->frame);
@@ -85,7 +85,7 @@ static void compare(real *numbers, const FfpLookPictures *drawn, const real *col
         ffp_look_pixel(numbers + i * FFP_LOOK_NUMBERS, drawn, i, colour + i * FFP_LOOK_COLOURS, coverage[i]);
 }
 
-void ffp_look(real *numbers, FfpViewPass *pass, const FfpGaussians *gaussians, const FfpPhotographs *p) {
+void ffp_look(real *numbers, FfpViewPass *pass, const FfpGaussians *gaussians, const FfpLookPhotographs *p) {
     const size_t area = (size_t)p->width * (size_t)p->height;
     FfpImage picture[3] = {{0}};
     for (int v = 0; v < p->views; v++) {
@@ -103,11 +103,11 @@ void ffp_look(real *numbers, FfpViewPass *pass, const FfpGaussians *gaussians, c
     for (int k = 0; k < 3; k++) ffp_image_free(&picture[k]);
 }
 
-FfpLookMaps ffp_look_maps(const FfpPhotographs *p, const real *numbers) {
+FfpLookMaps ffp_look_maps(const FfpLookPhotographs *p, const real *numbers) {
     return (FfpLookMaps){p->views, p->width, p->height, p->camera_there, p->frame, numbers};
 }
 
-void ffp_look_gather(real *out, const FfpLooked *l, int64_t first, int count) {
+void ffp_look_gather(real *out, const FfpLookInputs *l, int64_t first, int count) {
     if (ffp_device()) {
         ffp_device()->network->look_gather(out, l, first, count);
         return;

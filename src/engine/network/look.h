@@ -9,7 +9,7 @@
 #include "engine/render/pass.h"
 
 // The photographs to compare with, in the memory of the device that the thread works on.
-typedef struct FfpPhotographs {
+typedef struct FfpLookPhotographs {
     int views, width, height;
     FfpCamera *projector, *camera; // [views] the host's
     FfpCamera *camera_there;       // [views] the device's, or the host's
@@ -18,30 +18,30 @@ typedef struct FfpPhotographs {
     real *coverage;                // [views,height,width]
     FfpSummed pattern[2];          // white, active
     real intensity[3];
-} FfpPhotographs;
+} FfpLookPhotographs;
 
 // Of the first `views` views under black, white and the active pattern; made on the CPU.
-FfpPhotographs *ffp_photographs_new(const FfpCapture *capture, int views, int active);
-FfpPhotographs *ffp_photographs_uploaded(const FfpPhotographs *here);
-void ffp_photographs_free(
-    FfpPhotographs *photographs); // by who works on the device they are on; NULL is allowed
+FfpLookPhotographs *ffp_look_photographs_new(const FfpCapture *capture, int views, int active);
+FfpLookPhotographs *ffp_look_photographs_uploaded(const FfpLookPhotographs *here);
+void ffp_look_photographs_free(
+    FfpLookPhotographs *photographs); // by who works on the device they are on; NULL is allowed
 
 // numbers [views,height,width,FFP_LOOK_NUMBERS]: every view is drawn once, under black, white and the
 // pattern.
 void ffp_look(real *numbers, FfpViewPass *pass, const FfpGaussians *gaussians,
-              const FfpPhotographs *photographs);
+              const FfpLookPhotographs *photographs);
 
-FfpLookMaps ffp_look_maps(const FfpPhotographs *photographs, const real *numbers);
+FfpLookMaps ffp_look_maps(const FfpLookPhotographs *photographs, const real *numbers);
 
 // The Gaussians, and the maps in which their errors are looked up.
-typedef struct FfpLooked {
+typedef struct FfpLookInputs {
     FfpLookMaps maps;
     const int64_t *pixel; // [Gaussians] (view * height + y) * width + x
     const real *centre;   // [Gaussians,3]
     const real *raw;      // [Gaussians,numbers]
     int numbers;
-} FfpLooked;
+} FfpLookInputs;
 // out [count, FFP_LOOK_SEEN + numbers] of the Gaussians from `first` on.
-void ffp_look_gather(real *out, const FfpLooked *looked, int64_t first, int count);
+void ffp_look_gather(real *out, const FfpLookInputs *looked, int64_t first, int count);
 
 #endif

@@ -128,7 +128,7 @@ FfpPrepared *ffp_prepared_new(const FfpModelConfig *config, const FfpCapture *ca
     prepare_taps(p, &s);
     prepare_context_inputs(p, &s);
     p->config = *config;
-    if (config->looks) p->photographs = ffp_photographs_new(capture, views, active);
+    if (config->looks) p->photographs = ffp_look_photographs_new(capture, views, active);
     ffp_pixel_context_free(&own);
     return p;
 }
@@ -147,7 +147,7 @@ FfpPrepared *ffp_prepared_uploaded(const FfpPrepared *p) {
     there->taps.first = ffp_memory_uploaded(p->taps.first, (size_t)p->taps.rows + 1, sizeof *p->taps.first);
     there->taps.taker = ffp_memory_uploaded(p->taps.taker, entries + 1, sizeof *p->taps.taker);
     there->own = ffp_memory_uploaded(p->own, count * (size_t)p->channels + 1, sizeof *p->own);
-    there->photographs = ffp_photographs_uploaded(p->photographs);
+    there->photographs = ffp_look_photographs_uploaded(p->photographs);
     if (p->photographs) there->pixel_there = ffp_memory_uploaded(p->pixel, count + 1, sizeof *p->pixel);
     there->context_inputs =
         ffp_memory_uploaded(p->context_inputs, count * FFP_CONTEXT_CHANNELS + 1, sizeof *p->context_inputs);
@@ -159,7 +159,7 @@ void ffp_prepared_free(FfpPrepared *p) {
     void *const blocks[] = {p->inputs,     p->base,       p->used, p->taps.row,       p->taps.weight,
                             p->taps.first, p->taps.taker, p->own,  p->context_inputs, p->pixel_there};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) ffp_memory_free(blocks[i]);
-    ffp_photographs_free(p->photographs);
+    ffp_look_photographs_free(p->photographs);
     ffp_free(p->pixel);
     ffp_free(p);
 }
@@ -170,32 +170,6 @@ int64_t ffp_prepared_count(const FfpPrepared *prepared) {
 
 const int64_t *ffp_prepared_pixels(const FfpPrepared *prepared) {
     return prepared->pixel;
-}
-
-bool ffp_prepared_seen(const FfpPrepared *p, const real *raw, real *out, FfpError *err) {
-    const FfpModelConfig *config = &p->config;
-    const FfpPhotographs *photographs = p->photographs;
-    if (!photographs) return ffp_fail(err, FFP_ERROR_ARGUMENT, "prepared", "the model has no looks");
-    FfpRun *run = ffp_run_new(false);
-    const FfpPixels pixels = {p->count, p->base, (real *)raw}; // only read
-    const bool ok = ffp_pixels_splat(&pixels, run, config) ||
-                    ffp_fail(err, FFP_ERROR_ARGUMENT, "raw", "holds a number that is not finite");
-    if (ok) {
-        const FfpRenderSettings render =
-            ffp_render_settings(ffp_model_is_paper_form(config), config->samples);
-        FfpViewPass *pass = ffp_view_pass_new(&render);
-        real *maps =
-            ffp_alloc((size_t)photographs->views * (size_t)photographs->width * (size_t)photographs->height,
-                      FFP_LOOK_NUMBERS * sizeof *maps);
-        ffp_look(maps, pass, &run->gaussians, photographs);
-        const FfpLooked looked = {ffp_look_maps(photographs, maps), p->pixel, run->gaussians.centre, raw,
-                                  ffp_head_numbers(config)};
-        ffp_look_gather(out, &looked, 0, (int)p->count);
-        ffp_free(maps);
-        ffp_view_pass_free(pass);
-    }
-    ffp_run_free(run);
-    return ok;
 }
 
 FfpModel ffp_model_uploaded(const FfpModel *model) {

@@ -22,7 +22,7 @@ struct FfpPrepared {
     real *own;            // [count, channels]; NULL without pixel_skip
     real *context_inputs; // [count, context channels]; NULL where there is nothing to tell
     // With looks:
-    FfpPhotographs *photographs;
+    FfpLookPhotographs *photographs;
     FfpModelConfig config;
     int64_t *pixel_there; // [count] `pixel` where the arrays above are
 };

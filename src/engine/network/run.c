@@ -37,13 +37,13 @@ typedef struct FfpActivations {
     real *draw;                 // [block, numbers], backward only
     FfpMixer mixer;             // with appearance_cnn
     FfpPixels pixels;
-    FfpPhotographs *photographs; // with looks, on the CPU; on a device they are in head.prepared
-    FfpViewPass *pass;           // with looks
-    real *seen[FFP_LOOKS_MAX];   // inputs of each look: of all Gaussians, or of one block where no
-                                 // backward pass follows
-    FfpPixelContext context;     // where the caller gave none
-    FfpPrepared *prepared;       // on a device, of captures that the caller did not prepare
-    FfpProfileTimes unread;      // where the times go when nobody asks
+    FfpLookPhotographs *photographs; // with looks, on the CPU; on a device they are in head.prepared
+    FfpViewPass *pass;               // with looks
+    real *seen[FFP_LOOKS_MAX];       // inputs of each look: of all Gaussians, or of one block where no
+                                     // backward pass follows
+    FfpPixelContext context;         // where the caller gave none
+    FfpPrepared *prepared;           // on a device, of captures that the caller did not prepare
+    FfpProfileTimes unread;          // where the times go when nobody asks
 } FfpActivations;
 
 FfpRun *ffp_run_new(bool backward) {
@@ -59,7 +59,7 @@ void ffp_run_free(FfpRun *run) {
     if (!run) return;
     ffp_pixel_context_free(&run->activations->context);
     ffp_prepared_free(run->activations->prepared);
-    ffp_photographs_free(run->activations->photographs);
+    ffp_look_photographs_free(run->activations->photographs);
     ffp_view_pass_free(run->activations->pass);
     ffp_arena_free(run->activations->arena);
     ffp_free(run->activations);
@@ -272,7 +272,7 @@ static void look(FfpRun *run, const FfpModel *model, int round) {
     FfpActivations *at = run->activations;
     const FfpModelConfig *config = &model->config;
     const FfpPrepared *prepared = at->head.prepared;
-    const FfpPhotographs *p = prepared ? prepared->photographs : at->photographs;
+    const FfpLookPhotographs *p = prepared ? prepared->photographs : at->photographs;
     const int numbers = ffp_head_numbers(config), width = FFP_LOOK_SEEN + numbers;
     const size_t area = (size_t)p->width * (size_t)p->height;
     real *maps = ffp_arena_take(run->arena, (size_t)p->views * area * FFP_LOOK_NUMBERS, sizeof *maps);
@@ -284,7 +284,7 @@ static void look(FfpRun *run, const FfpModel *model, int round) {
         at->pass = ffp_view_pass_new(&render);
     }
     ffp_look(maps, at->pass, &run->gaussians, p);
-    const FfpLooked looked = {ffp_look_maps(p, maps), prepared ? prepared->pixel_there : run->pixel,
+    const FfpLookInputs looked = {ffp_look_maps(p, maps), prepared ? prepared->pixel_there : run->pixel,
                               run->gaussians.centre, at->pixels.raw, numbers};
     for (int64_t first = 0; first < at->pixels.count; first += ffp_head_block()) {
         const int count = block_count(at, first);
@@ -369,8 +369,8 @@ bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *cap
     at->head.grid = grid;
     at->head.context = start ? &context->start : NULL;
     at->head.pixel = run->pixel;
-    ffp_photographs_free(at->photographs);
-    at->photographs = config->looks ? ffp_photographs_new(capture, source.views, active) : NULL;
+    ffp_look_photographs_free(at->photographs);
+    at->photographs = config->looks ? ffp_look_photographs_new(capture, source.views, active) : NULL;
     ffp_lap(&last, &forward_times(run)->tokenise);
     return pass_forward(run, model, capture->name, err);
 }

@@ -43,7 +43,7 @@ typedef struct FfpNetworkTable {
     // A drawn view beside its photograph: numbers [pixels, FFP_LOOK_NUMBERS].
     void (*look_compare)(real *numbers, const FfpLookPictures *drawn, const real *colour,
                          const real *coverage, size_t pixels);
-    void (*look_gather)(real *out, const FfpLooked *looked, int64_t first, int count);
+    void (*look_gather)(real *out, const FfpLookInputs *looked, int64_t first, int count);
 } FfpNetworkTable;
 
 #endif
