@@ -120,6 +120,13 @@ static void test_step(void **state) {
     check_step(&config, opened(&config, NULL));
 }
 
+static void test_step_with_a_look(void **state) {
+    (void)state;
+    FfpTrainConfig config = tiny_config(0);
+    config.model.looks = 1;
+    check_step(&config, opened(&config, NULL));
+}
+
 static void test_step_through_the_polish(void **state) {
     (void)state;
     const FfpTrainConfig config = tiny_config(1);
@@ -194,9 +201,11 @@ static void test_run_with_generators(void **state) {
 
 int main(void) {
     if (!(device = find_device())) return 0;
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_step), cmocka_unit_test(test_step_through_the_polish),
-        cmocka_unit_test(test_step_through_the_polish_of_photographs), cmocka_unit_test(test_run),
-        cmocka_unit_test(test_run_with_generators)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_step),
+                                       cmocka_unit_test(test_step_with_a_look),
+                                       cmocka_unit_test(test_step_through_the_polish),
+                                       cmocka_unit_test(test_step_through_the_polish_of_photographs),
+                                       cmocka_unit_test(test_run),
+                                       cmocka_unit_test(test_run_with_generators)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }
