@@ -99,6 +99,12 @@ elseif(NOT FFP_PYTHON)
   message(STATUS "The page of `ffprocams view` is not tested: there is no python3")
 endif()
 
+# The page's logic without a browser; the test before has it in one.
+find_program(FFP_NODE node)
+if(FFP_NODE)
+  add_test(NAME view_place COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/view/test_place.js)
+endif()
+
 # The studio in a headless Chromium, from a bare simulated rig to the relit object.
 if(TARGET PkgConfig::MICROHTTPD AND TARGET ffprocams_opencv AND TARGET ffprocams_embree AND FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
   add_test(NAME studio_page COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/studio/test_studio.py $<TARGET_FILE:ffprocams>

@@ -2,7 +2,7 @@
 // A person's work as plain data: projectors, what they show, paint, cues and the view. From it come undo,
 // the stage's file, and what the browser keeps.
 
-const STAGE_FORMAT = 'ffprocams stage', PROJECTORS_MAX = 16, CUES_MAX = 200, UNDO_MAX = 60, QUIET = 350, KEEP_AFTER = 1500; // ms
+const STAGE_FORMAT = 'ffprocams stage', PROJECTORS_MAX = 16, CUES_MAX = 200, KEEP_AFTER = 1500; // ms
 
 // Pictures and films that were brought in: each keeps its tile, and its file.
 class Library {
@@ -99,7 +99,10 @@ async function applyState(app, state, withView) {
     else if (contents[i] !== p.content) contents[i].free();
     if (paintOf(p) !== kept.paint) {
       p.clearPaint();
-      if (kept.paint) p.paint.getContext('2d').drawImage(kept.paint, 0, 0), p.painted = true, p.paintVersion++;
+      if (kept.paint) {
+        p.paint.getContext('2d').drawImage(kept.paint, 0, 0);
+        p.painted = true, p.paintCopy = kept.paint, p.paintCopied = ++p.paintVersion; // the same paint, not another
+      }
     }
     p.dirty = true;
   });
@@ -117,44 +120,33 @@ async function applyState(app, state, withView) {
 
 // --- Undo. ---
 
-// States as they were whenever nothing had changed for a moment.
-class Undo {
-  constructor(app) {
-    this.app = app, this.states = [stateOf(app)], this.at = 0, this.busy = false;
-    app.listeners.push((what) => { if (what === 'drawn' || what === 'cues') this.soon(); });
-  }
+const WHEEL_REST = 350; // ms after which the wheel has come to rest
 
-  soon() {
-    clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.note(), QUIET);
-  }
+const makeHistory = (app) => new Undo({
+  take: () => stateOf(app), same: sameWork, put: (state) => applyState(app, state, false),
+  ready: () => !app.show.playing && !app.photograph, told: () => app.changed('history'),
+});
 
-  note() {
-    const {app} = this;
-    if (this.busy || app.show.playing || app.photograph) return;
-    const state = stateOf(app);
-    if (sameWork(state, this.states[this.at])) return;
-    this.states.splice(this.at + 1, this.states.length, state);
-    if (this.states.length > UNDO_MAX) this.states.shift();
-    this.at = this.states.length - 1;
-    app.changed('history');
-  }
-
-  async go(step) {
-    clearTimeout(this.timer);
-    this.app.show.stop();
-    this.note();
-    const to = this.at + step;
-    if (this.busy || !this.states[to]) return;
-    this.busy = true;
-    try {
-      await applyState(this.app, this.states[to], false);
-      this.at = to;
-    } finally {
-      this.busy = false;
-    }
-    this.app.changed('history');
-  }
+// Gestures are those of pointers, keys, controls and the wheel; each ends after what it does has been done.
+function followGestures(history) {
+  const on = (name, work) => addEventListener(name, work, true), later = (work) => setTimeout(work);
+  let wheel = 0;
+  const rest = () => {
+    clearTimeout(wheel);
+    if (wheel) wheel = 0, history.end('wheel');
+  };
+  on('pointerdown', (event) => {
+    rest();
+    history.begin(event.pointerId);
+  });
+  for (const name of ['pointerup', 'pointercancel']) on(name, (event) => later(() => history.end(event.pointerId)));
+  for (const name of ['click', 'change']) on(name, () => later(() => history.note()));
+  on('keyup', (event) => { if (!isText(event.target)) later(() => history.note()); }); // typing ends with its 'change'
+  on('wheel', () => {
+    if (!wheel) history.begin('wheel');
+    clearTimeout(wheel);
+    wheel = setTimeout(rest, WHEEL_REST);
+  });
 }
 
 // --- Files. ---
@@ -244,6 +236,7 @@ async function loadStage(app, text) {
     await app.library.take(new File([readBytes(String(data))], String(name), {type: String(type)}), String(id));
   }
   await applyState(app, state, true);
+  app.history.note();
 }
 
 function offer(blob, name) {

@@ -217,8 +217,10 @@ class App {
   async bring(promised, projector = this.projector) {
     const asked = ++projector.asked, content = await promised;
     if (!content) return false;
+    await this.history.rest();
     if (asked === projector.asked && this.projectors.includes(projector)) {
       this.setContent(content, projector);
+      this.history.note();
       return true;
     }
     content.free();
@@ -439,7 +441,8 @@ async function start() {
   buildPage(app);
   app.jump(scene.views[0], false);
   app.draw(QUALITIES[0]);
-  app.history = new Undo(app), app.store = new Store(app);
+  app.history = makeHistory(app), app.store = new Store(app);
+  followGestures(app.history);
   if (new URLSearchParams(location.search).has('fresh') || !await app.store.restore().catch(() => false)) return;
   app.history.note();
   say('As you left it. Undo brings the page as it came.');

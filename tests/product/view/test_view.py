@@ -533,6 +533,33 @@ def check_kept(check, page, path, folder):
     page.run("viewer.store.forget()")
 
 
+def check_undo(check, page):
+    """One gesture is one step, however long it rests and however soon the next one follows."""
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "test_place.js"), encoding="utf-8") as file:
+        failures = page.run(file.read() + "; testsOfPlace()")
+    check("the page's logic by itself", not failures, "; ".join(failures))
+    page.run("viewer.jump(viewer.scene.views[0], true); viewer.setContent(new TestContent('White')); idle().then(() => viewer.history.note())")
+    steps = page.run("viewer.history.at")
+    page.key("b")
+    middle = (250, 200)
+    page.mouse("mousePressed", *middle)
+    for x in (260, 270):
+        page.mouse("mouseMoved", x, 205)
+        time.sleep(0.5)
+    page.mouse("mouseReleased", 270, 205, "left", 0)
+    stroke = page.run("new Promise((done) => setTimeout(() => done([viewer.history.at, viewer.projector.content.name, viewer.projector.painted])))")
+    page.run("document.querySelectorAll('#contents .tile')[1].click()")
+    page.drag((240, 190), (280, 190), steps=2)
+    page.key("c")
+    page.wait("viewer.history.at === viewer.history.states.length - 1")
+    both = page.run("viewer.history.at")
+    check("a stroke that rests is one step, a tile and a stroke are two", stroke == [steps + 1, "White", True] and both == steps + 3, f"{stroke}, {both - steps} steps")
+    page.run("viewer.history.go(-2)")
+    back = page.run("[viewer.projector.content.name, viewer.projector.painted]")
+    page.run("viewer.history.go(-1)")
+    check("undo takes them in order", back == ["White", True] and not page.run("viewer.projector.painted"), f"{back}")
+
+
 def check_cues(check, page):
     """A show fades from cue to cue, under correction too."""
     page.run("viewer.jump(viewer.scene.views[0], true); viewer.show.cues = []; true")
@@ -1030,6 +1057,7 @@ def main():
             check_memory(check, page)
             check_looks(check, page, folder)
             check_access(check, page)
+            check_undo(check, page)
             check_cues(check, page)
             check_letters(check, page, folder)
             check_touch(check, page, folder)
