@@ -1,8 +1,8 @@
-"""Captures in the forms of other programs: nerfstudio's transforms.json and COLMAP's text files.
+"""Captures in the forms of other programs: nerfstudio's transforms.json and COLMAP's binary model.
 
-Both hold one photograph of each view, with its camera and mask, and depth if Gaussians are given to draw it from.
-A capture's projectors have no place in either: they are written as further frames or images whose name begins with
-"projector", without a photograph, so that poses come back complete.
+Both hold one photograph of each view, with its camera and mask. If Gaussians are given, they also hold the depth drawn from
+them, and their centres as the points from which trainers of splats and radiance fields start. Neither form has a place for
+projectors: they are in a list or folder of their own, which other programs pass over.
 """
 
 from __future__ import annotations
@@ -10,8 +10,7 @@ from __future__ import annotations
 import json
 import struct
 import zlib
-from collections.abc import Iterator
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
@@ -19,12 +18,16 @@ import numpy as np
 from ._call import PathLike
 from ._pixels import Array, Floats, encode
 from .capture import Capture
-from .devices import Pinhole
+from .devices import Pinhole, inverse, rigid
 from .errors import argument_error
 from .gaussians import Gaussians, gaussians_of
 from .renderer import Renderer
 
 _OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # nerfstudio's cameras: y up, z backwards
+_SIMPLE_PINHOLE, _PINHOLE = 0, 1  # COLMAP's numbers of its camera models
+
+# Of a view: the rows of the points that it sees, and their positions in pixels [...,2].
+_Track = tuple[Array, Array]
 
 
 def _png(path: Path, picture: Array) -> None:
@@ -67,17 +70,66 @@ def _photographs(capture: Capture, pattern: str | None, folder: Path) -> list[st
     return names
 
 
-def _masks(capture: Capture, paths: list[Path]) -> None:
-    for i, path in enumerate(paths):
-        path.parent.mkdir(exist_ok=True)
-        _png(path, np.round(255 * capture.coverage(i)).astype(np.uint8))
+def _masks(capture: Capture, folder: Path) -> None:
+    (folder / "masks").mkdir()
+    for i, view in enumerate(capture.view_ids):
+        _png(folder / "masks" / f"{view}.png", np.round(255 * capture.coverage(i)).astype(np.uint8))
 
 
-def _depths(capture: Capture, gaussians: Gaussians | PathLike) -> Iterator[Floats]:
-    """[height,width] of each view: camera z in world units, 0 off the object."""
-    given, renderer = gaussians_of(gaussians), Renderer()
-    for i in range(len(capture.view_ids)):
-        yield renderer.aim(given, capture.camera(i), capture.projector(i)).map("depth")
+class _Points:
+    """Gaussians as a cloud of points: which views see each of them, where, and in which colour.
+
+    A view sees the points that are at most three standard deviations of their splat behind the depth drawn at their pixel;
+    a point's colour is the mean of its pixels, as in COLMAP's models. Points that no view sees are left out.
+    """
+
+    def __init__(self, capture: Capture, gaussians: Gaussians | PathLike, pattern: str | None) -> None:
+        self._capture, self._pattern, self._renderer = capture, pattern or capture.white, Renderer()
+        self._gaussians = gaussians_of(gaussians)
+        chosen = self._gaussians.opacity >= 0.5  # as in a map of depth
+        self._centre = self._gaussians.centre[chosen].astype(np.float64)
+        self._reach = 3 * self._gaussians.scale[chosen].max(1, initial=0)
+        self._light = np.zeros((len(self._centre), 3))
+        self._views = np.zeros(len(self._centre), np.int64)
+        self._tracks: list[_Track] = []
+
+    def look(self, view: int) -> Floats:
+        """Finds the points that a view sees, and returns its depth [height,width]: camera z in world units, 0 off the
+        object. To be called for all views in order."""
+        camera = self._capture.camera(view)
+        depth = self._renderer.aim(self._gaussians, camera, self._capture.projector(view)).map("depth")
+        pose = np.asarray(camera.pose)
+        x = (self._centre - pose[:3, 3]) @ pose[:3, :3]
+        z = np.where(x[:, 2] > 0, x[:, 2], np.nan)
+        at = x[:, :2] / z[:, None] * (camera.fx, camera.fy) + (camera.cx, camera.cy)
+        inside = np.all((at >= 0) & (at < (camera.width, camera.height)), axis=1)
+        column, row = np.where(inside[:, None], at, 0).astype(np.int64).T
+        surface = depth[row, column]
+        seen = np.flatnonzero(inside & (surface > 0) & (z - surface < self._reach))
+        photograph = self._capture.photograph(view, self._pattern)
+        assert photograph is not None  # _photographs wrote it
+        self._light[seen] += encode(photograph)[row[seen], column[seen]]
+        self._views[seen] += 1
+        self._tracks.append((seen, at[seen]))
+        return depth
+
+    def found(self) -> tuple[Array, Array, list[_Track]]:
+        """Centres [count,3] in world units, sRGB colours [count,3] uint8, and the track of each view."""
+        kept = self._views > 0
+        row = np.cumsum(kept) - 1
+        colour = np.round(255 * self._light[kept] / self._views[kept, None]).astype(np.uint8)
+        return self._centre[kept], colour, [(row[seen], at) for seen, at in self._tracks]
+
+
+def _write_ply(path: Path, centre: Array, colour: Array) -> None:
+    """Coloured points."""
+    form = [(name, "<f4") for name in "xyz"] + [(name, "u1") for name in ("red", "green", "blue")]
+    rows = np.empty(len(centre), form)
+    for (name, _), column in zip(form, (*centre.T, *colour.T)):
+        rows[name] = column
+    head = "".join(f"property {'float' if kind == '<f4' else 'uchar'} {name}\n" for name, kind in form)
+    text = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(rows)}\n{head}end_header\n"
+    path.write_bytes(text.encode() + rows.tobytes())
 
 
 def _numbers(p: Pinhole) -> dict[str, Any]:
@@ -96,7 +148,8 @@ def to_transforms(
     Args:
         pattern: whose photographs are written; None: white.
         gaussians: the object's; then depth is written too, as ``depths/VIEW.npy`` in thousandths of the world's unit,
-            which is what nerfstudio expects (its depth_unit_scale_factor is 0.001).
+            which is what nerfstudio expects (its depth_unit_scale_factor is 0.001), and ``points.ply``, where its
+            splatfacto starts (``ply_file_path``).
     """
     path = _new_folder(folder)
     frames: dict[str, list[dict[str, Any]]] = {"frames": [], "ffprocams_projectors": []}
@@ -108,14 +161,18 @@ def to_transforms(
             frame["file_path"] = name if key == "frames" else f"projector_{view}"
             frames[key].append(frame)
         frames["frames"][-1]["mask_path"] = f"masks/{view}.png"
-    _masks(capture, [path / frame["mask_path"] for frame in frames["frames"]])
+    _masks(capture, path)
+    document: dict[str, Any] = {"camera_model": "OPENCV", **frames}
     if gaussians is not None:
+        points = _Points(capture, gaussians, pattern)
         (path / "depths").mkdir()
-        for frame, view, depth in zip(frames["frames"], capture.view_ids, _depths(capture, gaussians)):
-            frame["depth_file_path"] = f"depths/{view}.npy"
-            np.save(path / frame["depth_file_path"], 1000 * depth)
+        for i, frame in enumerate(frames["frames"]):
+            frame["depth_file_path"] = f"depths/{capture.view_ids[i]}.npy"
+            np.save(path / frame["depth_file_path"], 1000 * points.look(i))
+        _write_ply(path / "points.ply", *points.found()[:2])
+        document["ply_file_path"] = "points.ply"
     out = path / "transforms.json"
-    out.write_text(json.dumps({"camera_model": "OPENCV", **frames}, indent=1), encoding="utf-8")
+    out.write_text(json.dumps(document, indent=1), encoding="utf-8")
     return out
 
 
@@ -174,6 +231,45 @@ def _quaternion(r: Array) -> Array:
     return np.array([w, x, y, z]) * (1 if w >= 0 else -1)
 
 
+def _write_model(
+    folder: Path,
+    devices: dict[str, Pinhole],
+    points: tuple[Array, Array, list[_Track]] = (np.empty((0, 3)), np.empty((0, 3), np.uint8), []),
+) -> None:
+    """COLMAP's ``cameras.bin``, ``images.bin`` and ``points3D.bin`` (https://colmap.github.io/format.html): PINHOLE devices
+    by the names of their images, those of equal intrinsics as one camera, and what _Points.found gave."""
+    folder.mkdir(parents=True)
+    centre, colour, tracks = points
+    cameras: dict[bytes, int] = {}
+    images = [struct.pack("<Q", len(devices))]
+    none = np.empty(0, np.int64), np.empty((0, 2))
+    for i, (name, p) in enumerate(devices.items()):
+        camera = struct.pack("<iQQ4d", _PINHOLE, p.width, p.height, p.fx, p.fy, p.cx, p.cy)
+        number = cameras.setdefault(camera, len(cameras) + 1)
+        pose = np.asarray(p.pose)
+        turn = pose[:3, :3].T
+        rows, at = tracks[i] if tracks else none
+        seen = np.empty(len(rows), [("x", "<f8"), ("y", "<f8"), ("point", "<u8")])
+        seen["x"], seen["y"], seen["point"] = at[:, 0], at[:, 1], rows + 1
+        images.append(struct.pack("<I7dI", i + 1, *_quaternion(turn), *(-turn @ pose[:3, 3]), number))
+        images.append(name.encode() + b"\0" + struct.pack("<Q", len(rows)) + seen.tobytes())
+    kinds = [struct.pack("<I", number) + camera for camera, number in cameras.items()]
+    (folder / "cameras.bin").write_bytes(struct.pack("<Q", len(kinds)) + b"".join(kinds))
+    (folder / "images.bin").write_bytes(b"".join(images))
+
+    point = np.concatenate([rows for rows, _ in tracks] or [none[0]])
+    track = [np.stack((np.full(len(r), i + 1), np.arange(len(r))), 1) for i, (r, _) in enumerate(tracks)]
+    pairs = np.concatenate(track or [none[1]])[np.argsort(point, kind="stable")].astype("<u4").tobytes()
+    length = np.bincount(point, minlength=len(centre))
+    form = [("number", "<u8"), ("at", "<f8", 3), ("colour", "u1", 3), ("error", "<f8"), ("length", "<u8")]
+    heads = np.zeros(len(centre), form)
+    heads["number"], heads["at"], heads["colour"] = np.arange(1, len(centre) + 1), centre, colour
+    heads["length"] = length
+    ends = 8 * np.cumsum(length)
+    whole = b"".join(h.tobytes() + pairs[end - 8 * n : end] for h, end, n in zip(heads, ends, length))
+    (folder / "points3D.bin").write_bytes(struct.pack("<Q", len(centre)) + whole)
+
+
 def to_colmap(
     capture: Capture,
     folder: PathLike,
@@ -181,99 +277,98 @@ def to_colmap(
     pattern: str | None = None,
     gaussians: Gaussians | PathLike | None = None,
 ) -> Path:
-    """Writes COLMAP's ``cameras.txt``, ``images.txt`` and an empty ``points3D.txt`` with pictures and masks to a new or
-    empty folder, and returns it. Camera 2 i + 1 is that of view i, camera 2 i + 2 its projector; from_colmap,
-    ``import_capture`` and pinholes_from_pycolmap read them back.
+    """Writes COLMAP's binary model ``sparse/0`` with ``images/VIEW.png`` and ``masks/VIEW.png`` to a new or empty folder,
+    and returns it. ``projectors`` is a model too, of the projectors by the same names. from_colmap reads both back.
 
     Args:
         pattern: whose photographs are written; None: white.
-        gaussians: the object's; then depth is written too, as COLMAP's ``stereo/depth_maps/VIEW.png.geometric.bin``.
+        gaussians: the object's; then the model has their centres as points, with colours and tracks, and depth is written
+            as COLMAP's ``stereo/depth_maps/VIEW.png.geometric.bin``. Trainers that start from points need them.
     """
     path = _new_folder(folder)
-    cameras, images = [], []
-    for i, name in enumerate(_photographs(capture, pattern, path)):
-        shown = (Path(name).name, f"projector_{capture.view_ids[i]}.png")
-        for k, p in enumerate((capture.camera(i), capture.projector(i))):
-            number, pose = 2 * i + k + 1, np.asarray(p.pose)
-            turn = pose[:3, :3].T
-            cameras.append(f"{number} PINHOLE {p.width} {p.height} {p.fx!r} {p.fy!r} {p.cx!r} {p.cy!r}")
-            numbers = (*_quaternion(turn), *(-turn @ pose[:3, 3]))
-            images.append(f"{number} {' '.join(repr(float(v)) for v in numbers)} {number} {shown[k]}\n")
-    _masks(
-        capture, [path / "masks" / f"{view}.png.png" for view in capture.view_ids]
-    )  # as mask_path wants them
+    names = [Path(name).name for name in _photographs(capture, pattern, path)]
+    _masks(capture, path)
+    views = range(len(names))
+    found = {}
     if gaussians is not None:
+        points = _Points(capture, gaussians, pattern)
         (path / "stereo" / "depth_maps").mkdir(parents=True)
-        for view, depth in zip(capture.view_ids, _depths(capture, gaussians)):
+        for i, name in enumerate(names):
+            depth = points.look(i)
             head = f"{depth.shape[1]}&{depth.shape[0]}&1&".encode()
-            out = path / "stereo" / "depth_maps" / f"{view}.png.geometric.bin"
+            out = path / "stereo" / "depth_maps" / f"{name}.geometric.bin"
             out.write_bytes(head + depth.astype("<f4").tobytes())
-    (path / "cameras.txt").write_text("\n".join(cameras) + "\n", encoding="utf-8")
-    (path / "images.txt").write_text("\n".join(images) + "\n", encoding="utf-8")
-    (path / "points3D.txt").write_text("", encoding="utf-8")
+        found["points"] = points.found()
+    _write_model(path / "sparse" / "0", {names[i]: capture.camera(i) for i in views}, **found)
+    _write_model(path / "projectors", {names[i]: capture.projector(i) for i in views})
     return path
 
 
-def _fields(line: str, least: int, where: str) -> list[str]:
-    fields = line.split()
-    if len(fields) < least:
-        raise argument_error(f"expected {least} fields, not {len(fields)}", where)
-    return fields
+class _Reader:
+    """A binary file from its beginning; what goes beyond its end is an error."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.data, self.at = str(path), path.read_bytes(), 0
+
+    def take(self, form: str) -> tuple[Any, ...]:
+        at, self.at = self.at, self.at + struct.calcsize(form)
+        if self.at > len(self.data):
+            raise argument_error(f"ends within a record that starts at byte {at}", self.path)
+        return struct.unpack_from(form, self.data, at)
+
+    def name(self) -> str:
+        end = self.data.find(b"\0", self.at)
+        if end < 0:
+            raise argument_error(f"the name at byte {self.at} has no end", self.path)
+        at, self.at = self.at, end + 1
+        return self.data[at:end].decode(errors="replace")
 
 
-def _floats(texts: list[str], where: str) -> list[float]:
-    try:
-        numbers = [float(t) for t in texts]
-    except ValueError as wrong:
-        raise argument_error(str(wrong), where) from wrong
-    if not np.isfinite(numbers).all():
-        raise argument_error("not finite", where)
-    return numbers
+def _pose(reader: _Reader, name: str, numbers: tuple[float, ...]) -> Array:
+    """Device to world, of a world-to-device quaternion w x y z and translation."""
+    (w, x, y, z), t = np.array(numbers[:4]), np.array(numbers[4:])
+    length = w * w + x * x + y * y + z * z
+    if not length > 1e-12 or not np.isfinite(numbers).all():
+        raise argument_error(f"the pose of image {name!r} is not a motion", reader.path)
+    turn = np.eye(3) + 2 / length * np.array(
+        [[-y * y - z * z, x * y - w * z, x * z + w * y], [x * y + w * z, -x * x - z * z, y * z - w * x],
+         [x * z - w * y, y * z + w * x, -x * x - y * y]])  # fmt: skip
+    return inverse(rigid(turn, t))
 
 
-def _colmap_cameras(path: Path) -> dict[str, list[float]]:
-    """Width, height, fx, fy, cx, cy by number."""
-    out: dict[str, list[float]] = {}
-    for n, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
-        where = f"{path}:{n}"
-        if not line.strip() or line.startswith("#"):
-            continue
-        number, kind, *rest = _fields(line, 4, where)
-        if kind not in ("PINHOLE", "SIMPLE_PINHOLE"):
-            raise argument_error(f"camera {number} is {kind}: expected PINHOLE or SIMPLE_PINHOLE", where)
-        values = _floats(rest, where)
-        if len(values) != (6 if kind == "PINHOLE" else 5):
-            raise argument_error(f"{kind} has {len(values) - 2} parameters", where)
-        out[number] = values if kind == "PINHOLE" else [*values[:3], *values[2:]]
+def _read_model(folder: Path) -> dict[str, Pinhole]:
+    """The devices of a binary model by the names of their images without suffix."""
+    cameras: dict[int, tuple[int, int, float, float, float, float]] = {}
+    out = {}
+    reader = _Reader(folder / "cameras.bin")
+    for _ in range(reader.take("<Q")[0]):
+        number, kind, width, height = reader.take("<IiQQ")
+        if kind not in (_SIMPLE_PINHOLE, _PINHOLE):
+            raise argument_error(
+                f"camera {number} is neither PINHOLE nor SIMPLE_PINHOLE: undistort the images first", reader.path
+            )
+        fx, *rest = reader.take("<4d" if kind == _PINHOLE else "<3d")
+        fy, cx, cy = rest if kind == _PINHOLE else (fx, *rest)
+        if not np.isfinite((fx, fy, cx, cy)).all():
+            raise argument_error(f"camera {number} is not finite", reader.path)
+        cameras[number] = (width, height, fx, fy, cx, cy)
+    reader = _Reader(folder / "images.bin")
+    for _ in range(reader.take("<Q")[0]):
+        _, *numbers, camera = reader.take("<I7dI")
+        name = reader.name()
+        reader.take(f"<{24 * min(reader.take('<Q')[0], len(reader.data))}x")  # its points
+        if camera not in cameras:
+            raise argument_error(f"image {name!r}: no camera {camera}", reader.path)
+        pose = _pose(reader, name, tuple(numbers))
+        out[str(PurePosixPath(name).with_suffix(""))] = Pinhole(*cameras[camera], pose)
     return out
 
 
 def from_colmap(folder: PathLike) -> tuple[dict[str, Pinhole], dict[str, Pinhole]]:
-    """The cameras of COLMAP's text files by the names of their images without suffix, and, if to_colmap wrote them, the
-    projectors by the same names. Cameras with lens distortion are refused: undistort the images first."""
+    """The cameras of a binary COLMAP model (``sparse/0`` in the folder, or the folder itself) by the names of their images
+    without suffix, and, if to_colmap wrote them, the projectors by the same names. Cameras with lens distortion are refused:
+    undistort the images first. pinholes_from_pycolmap reads text models too."""
     path = Path(folder)
-    cameras = _colmap_cameras(path / "cameras.txt")
-    found: tuple[dict[str, Pinhole], dict[str, Pinhole]] = ({}, {})
-    lines = (path / "images.txt").read_text(encoding="utf-8").splitlines()
-    rows = [(n, line) for n, line in enumerate(lines, 1) if not line.startswith("#")]
-    for n, line in rows[::2]:  # every other line lists points
-        where = f"{path / 'images.txt'}:{n}"
-        if not line.strip():
-            continue
-        fields = _fields(line, 10, where)
-        if fields[8] not in cameras:
-            raise argument_error(f"no camera {fields[8]}", where)
-        (w, x, y, z), t = np.array(_floats(fields[1:5], where)), np.array(_floats(fields[5:8], where))
-        length = w * w + x * x + y * y + z * z
-        if not length > 1e-12:
-            raise argument_error("a quaternion of length 0", where)
-        turn = np.eye(3) + 2 / length * np.array(
-            [[-y * y - z * z, x * y - w * z, x * z + w * y], [x * y + w * z, -x * x - z * z, y * z - w * x],
-             [x * z - w * y, y * z + w * x, -x * x - y * y]])  # fmt: skip
-        pose = np.eye(4)
-        pose[:3, :3], pose[:3, 3] = turn.T, -turn.T @ t
-        width, height, fx, fy, cx, cy = cameras[fields[8]]
-        name = Path(" ".join(fields[9:])).stem
-        lit = name.startswith("projector_")
-        found[lit][name.removeprefix("projector_")] = Pinhole(int(width), int(height), fx, fy, cx, cy, pose)
-    return found
+    inner = path / "sparse" / "0"
+    cameras = _read_model(inner if inner.is_dir() else path)
+    return cameras, _read_model(path / "projectors") if (path / "projectors").is_dir() else {}

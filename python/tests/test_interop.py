@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 from pathlib import Path
 
 import ffprocams
@@ -56,59 +57,97 @@ def test_damaged_transforms(capture: ffprocams.Capture, tmp_path: Path) -> None:
             interop.from_transforms(file)
 
 
-def test_colmap_text(capture: ffprocams.Capture, tmp_path: Path) -> None:
-    folder = interop.to_colmap(capture, tmp_path / "out")
-    lines = [line for line in (folder / "images.txt").read_text().split("\n") if line]
-    assert len(lines) == 2 * len(capture.view_ids)
-    for i, line in enumerate(lines):
-        w, x, y, z, *t = (float(v) for v in line.split()[1:8])
-        turn = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                         [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])  # fmt: skip
-        pose = np.asarray((capture.projector if i % 2 else capture.camera)(i // 2).pose)
-        assert np.allclose(turn, pose[:3, :3].T, atol=1e-6)
-        assert np.allclose(-turn.T @ t, pose[:3, 3], atol=1e-6)
+@pytest.fixture(scope="module")
+def colmap(capture: ffprocams.Capture, gaussians: ffprocams.Gaussians, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return interop.to_colmap(capture, tmp_path_factory.mktemp("out") / "colmap", gaussians=gaussians)
 
 
-def test_colmap_comes_back(capture: ffprocams.Capture, tmp_path: Path) -> None:
-    folder = interop.to_colmap(capture, tmp_path / "out")
-    cameras, projectors = interop.from_colmap(folder)
+def test_colmap_comes_back(capture: ffprocams.Capture, colmap: Path, tmp_path: Path) -> None:
+    cameras, projectors = interop.from_colmap(colmap)
     assert list(cameras) == list(projectors) == list(capture.view_ids)
     for view in capture.view_ids:
         for ours, theirs in ((capture.camera(view), cameras[view]), (capture.projector(view), projectors[view])):
             assert (ours.width, ours.height, ours.fx, ours.fy, ours.cx, ours.cy) == (
                 theirs.width, theirs.height, theirs.fx, theirs.fy, theirs.cx, theirs.cy)  # fmt: skip
             assert np.allclose(ours.pose, theirs.pose, atol=1e-6)  # a capture's poses are single precision
-    first = (folder / "images.txt").read_text().split("\n", 1)[0]
-    whole = (folder / "cameras.txt").read_text()
-    for file, text, word in (
-        ("cameras.txt", whole.replace("PINHOLE", "OPENCV", 1), "OPENCV"),
-        ("cameras.txt", whole.replace("PINHOLE 128", "PINHOLE wide", 1), "cameras.txt:1"),
-        ("cameras.txt", "7 PINHOLE 8 8 1 1 1 1", "no camera"),
-        ("images.txt", "1 0 0 0 0 1 1 1 1 a.png", "length 0"),
-        ("images.txt", "1 2 3", "10 fields"),
-        ("images.txt", first.replace(first.split()[2], "nan"), "finite"),
+    cameras_, images = ((colmap / "sparse" / "0" / f"{name}.bin").read_bytes() for name in ("cameras", "images"))
+    assert len(cameras_) == 8 + 24 + 32  # the views share a camera
+    for file, data, word in (
+        ("cameras.bin", cameras_[:12] + b"\4" + cameras_[13:], "camera 1 is neither"),
+        ("cameras.bin", cameras_[:-1], "byte 32"),
+        ("cameras.bin", cameras_[:32] + struct.pack("<d", np.nan) + cameras_[40:], "camera 1 is not finite"),
+        ("cameras.bin", struct.pack("<Q", 0), "no camera 1"),
+        ("images.bin", images[:12] + bytes(32) + images[44:], "theta000.png.*not a motion"),
+        ("images.bin", images[:80], "no end"),
+        ("images.bin", images[:92] + b"\xff" * 8 + images[100:], "ends within"),
+        ("images.bin", b"", "byte 0"),
     ):
-        kept = (folder / file).read_text()
-        (folder / file).write_text(text)
-        with pytest.raises(ffprocams.ArgumentError, match=word):
-            interop.from_colmap(folder)
-        (folder / file).write_text(kept)
+        for name, kept in (("cameras.bin", cameras_), ("images.bin", images)):
+            (tmp_path / name).write_bytes(data if name == file else kept)
+        with pytest.raises(ffprocams.ArgumentError, match=word) as caught:
+            interop.from_colmap(tmp_path)
+        assert str(tmp_path) in str(caught.value)
 
 
-def test_masks_and_depth(capture: ffprocams.Capture, gaussians: ffprocams.Gaussians, tmp_path: Path) -> None:
+def test_colmap_as_colmap_reads_it(capture: ffprocams.Capture, colmap: Path) -> None:
+    """The tracks: every point is projected by COLMAP to where its images say that it is, in the pictures' colours."""
+    pycolmap = pytest.importorskip("pycolmap", reason="skipped: no pycolmap")
+    model = pycolmap.Reconstruction(colmap / "sparse" / "0")
+    assert model.num_cameras() == 1 and model.num_reg_images() == len(capture.view_ids)
+    assert model.num_points3D() > 10000 and model.compute_mean_track_length() > 2
+    model.update_point_3d_errors()
+    assert model.compute_mean_reprojection_error() < 1e-4
+    devices = ffprocams.pinholes_from_pycolmap(colmap / "projectors")
+    view = capture.view_ids[1]
+    assert np.allclose(devices[f"{view}.png"].pose, capture.projector(view).pose, atol=1e-6)
+
+
+def test_points(capture: ffprocams.Capture, gaussians: ffprocams.Gaussians, colmap: Path, tmp_path: Path) -> None:
+    """Both forms have the same points, which look like the photographs, and are seen from the front alone."""
+    file = interop.to_transforms(capture, tmp_path / "out", gaussians=gaussians)
+    raw = (file.parent / json.loads(file.read_text())["ply_file_path"]).read_bytes()
+    head, body = raw.split(b"end_header\n", 1)
+    points = np.frombuffer(body, [("at", "<f4", 3), ("colour", "u1", 3)])
+    assert f"element vertex {len(points)}\n".encode() in head
+    assert 0.5 * len(gaussians) < len(points) < len(gaussians)
+    known = {tuple(row) for row in gaussians.centre.tolist()}
+    assert all(tuple(row) in known for row in points["at"].tolist())
+
+    data = (colmap / "sparse" / "0" / "points3D.bin").read_bytes()
+    at, tracks = 8, []
+    assert struct.unpack_from("<Q", data)[0] == len(points)
+    for i, (centre, colour) in enumerate(points):
+        number, *numbers, error, length = struct.unpack_from("<Q3d3BdQ", data, at)
+        assert number == i + 1 and error == 0 and length > 0
+        assert np.array_equal(numbers[:3], centre) and np.array_equal(numbers[3:], colour)
+        tracks.append(np.frombuffer(data, "<u4", 2 * length, at + 51).reshape(-1, 2))
+        at += 51 + 8 * length
+    assert at == len(data)
+
+    photograph, camera = capture.photograph(3, capture.white), capture.camera(3)
+    assert photograph is not None
+    rows = [i for i, track in enumerate(tracks) if 4 in track[:, 0]]  # image 4 is view 3
+    x = (points["at"][rows] - camera.position) @ np.asarray(camera.pose)[:3, :3]
+    column, row = (x[:, :2] / x[:, 2:] * camera.fx + (camera.cx, camera.cy)).astype(int).T
+    assert np.abs(255 * ffprocams.encode(photograph)[row, column] - points["colour"][rows]).mean() < 20
+    far = np.linalg.norm(camera.position - capture.centre)
+    assert np.percentile(x[:, 2], 99) < far + 0.5 * capture.radius  # none on the object's back
+
+
+def test_masks_and_depth(
+    capture: ffprocams.Capture, gaussians: ffprocams.Gaussians, colmap: Path, tmp_path: Path
+) -> None:
     file = interop.to_transforms(capture, tmp_path / "nerf", gaussians=gaussians)
-    folder = interop.to_colmap(capture, tmp_path / "colmap", gaussians=gaussians)
     frame, view = json.loads(file.read_text())["frames"][3], capture.view_ids[3]
     depth = np.load(file.parent / frame["depth_file_path"]) / 1000
-    raw = (folder / "stereo" / "depth_maps" / f"{view}.png.geometric.bin").read_bytes()
+    raw = (colmap / "stereo" / "depth_maps" / f"{view}.png.geometric.bin").read_bytes()
     width, height, channels, rest = raw.split(b"&", 3)
     assert (int(height), int(width)) == depth.shape and channels == b"1"
     assert np.allclose(np.frombuffer(rest, "<f4").reshape(depth.shape), depth, rtol=1e-6)
     inside, shown = capture.coverage(3) > 0.99, depth > 0
     far = np.linalg.norm(np.asarray(capture.camera(3).pose)[:3, 3] - capture.centre)
     assert np.abs(depth[shown] - far).max() < 1.1 * capture.radius and shown[inside].mean() > 0.98
-    masks = [(file.parent / frame["mask_path"]).read_bytes(), (folder / "masks" / f"{view}.png.png").read_bytes()]
+    masks = [(file.parent / frame["mask_path"]).read_bytes(), (colmap / "masks" / f"{view}.png").read_bytes()]
     assert masks[0] == masks[1]
 
 
