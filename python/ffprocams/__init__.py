@@ -33,7 +33,7 @@ from .errors import (
 )
 from .evaluation import CalibratedAt, Score, SensorFaults, Turntable, evaluate, generate, import_capture, info
 from .findings import Finding
-from .gaussians import Gaussians, Model
+from .gaussians import ExportStats, Gaussians, Model, PageStats
 from .reconstruction import (
     ModelOption,
     Reconstructed,
@@ -51,8 +51,8 @@ __version__: str = _ffi.string(_lib.ffp_version()).decode()
 
 __all__ = [
     "AlignStats", "ArgumentError", "Array", "CalibratedAt", "Calibration", "CancelledError", "Capture",
-    "Compensation", "CompensationStats", "Error", "ErrorCode", "FaultError", "FileFormatError", "Finding", "Floats", "Gaussians",
-    "InputOutputError", "MapStats", "MissingFileError", "Model", "ModelOption", "OutOfMemoryError", "PathLike", "Pinhole", "Progress",
+    "Compensation", "CompensationStats", "Error", "ErrorCode", "ExportStats", "FaultError", "FileFormatError", "Finding", "Floats", "Gaussians",
+    "InputOutputError", "MapStats", "MissingFileError", "Model", "ModelOption", "OutOfMemoryError", "PageStats", "PathLike", "Pinhole", "Progress",
     "ProgressOption", "Reconstructed", "ReconstructionStats", "Refined", "RefinementStats", "Renderer",
     "RigCalibrationStats", "Score", "SensorFaults", "Turntable", "UnsupportedError", "View", "align", "calibrate_rig",
     "compensate", "decode", "encode", "evaluate", "fit_from_scratch", "generate", "import_capture", "info", "maps",

@@ -13,14 +13,8 @@ from ._pixels import Array, Floats, floats_at, picture_of
 from .capture import Capture, capture_of, record
 from .devices import Pinhole
 from .errors import argument_error
-from .gaussians import Gaussians, drawing_of, gaussians_of, one_of
+from .gaussians import FRAMINGS, Gaussians, drawing_of, gaussians_of, one_of
 
-_FRAMINGS = {
-    "cover": lib.FFP_FRAMING_COVER,
-    "contain": lib.FFP_FRAMING_CONTAIN,
-    "stretch": lib.FFP_FRAMING_STRETCH,
-    "pixel": lib.FFP_FRAMING_PIXEL,
-}
 _TRANSPARENT = {"black": False, "free": True}
 
 
@@ -115,7 +109,7 @@ def compensate(
     given: Any = targets
     listed: list[Any] = list(given) if several else [given]
     _fill_targets(options, listed, keep)
-    options.framing, options.transparent_free = one_of(_FRAMINGS, fit, "fit"), one_of(_TRANSPARENT, transparent, "transparent")
+    options.framing, options.transparent_free = one_of(FRAMINGS, fit, "fit"), one_of(_TRANSPARENT, transparent, "transparent")
     options.gain, options.paint, options.steps, options.gaussians_only = gain, paint, steps, gaussians_only
     options.drawing, stats = drawing_of(form, samples), ffi.new("FfpCompensationStats *")
     with holding(gaussians, capture), Call(progress, threads) as call:

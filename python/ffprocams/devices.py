@@ -38,6 +38,20 @@ def rotation_of(rotation: npt.ArrayLike) -> Doubles:
     return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
 
 
+def quaternion_of(r: Doubles) -> Doubles:
+    """w x y z of a rotation matrix, as the eigenvector of Bar-Itzhack's symmetric matrix (2000)."""
+    k = np.array(
+        [
+            [r[0, 0] - r[1, 1] - r[2, 2], 0, 0, 0],
+            [r[0, 1] + r[1, 0], r[1, 1] - r[0, 0] - r[2, 2], 0, 0],
+            [r[0, 2] + r[2, 0], r[1, 2] + r[2, 1], r[2, 2] - r[0, 0] - r[1, 1], 0],
+            [r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1], r[0, 0] + r[1, 1] + r[2, 2]],
+        ]
+    )
+    x, y, z, w = np.linalg.eigh(k)[1][:, -1]  # of the lower triangle
+    return np.array([w, x, y, z]) * (1 if w >= 0 else -1)
+
+
 def rigid(rotation: npt.ArrayLike, translation: npt.ArrayLike) -> Doubles:
     """The 4x4 rigid transform x -> R x + t, from a rotation ([3,3] or rvec) and a translation [3]."""
     out = np.eye(4)

@@ -2,18 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ._call import Call, Handle, Keep, PathLike, holding
+from ._call import Call, Handle, Keep, PathLike, ProgressOption, holding, some
 from ._library import ffi, lib
 from ._pixels import Array, Floats, floats_at
+from .capture import Capture, capture_of, record, three
+from .devices import quaternion_of, rotation_of
 from .errors import argument_error
 
+FRAMINGS = {
+    "cover": lib.FFP_FRAMING_COVER,
+    "contain": lib.FFP_FRAMING_CONTAIN,
+    "stretch": lib.FFP_FRAMING_STRETCH,
+    "pixel": lib.FFP_FRAMING_PIXEL,
+}
+_UPS = {"z": lib.FFP_UP_Z, "y": lib.FFP_UP_Y, "-y": lib.FFP_UP_MINUS_Y}
+_ORBITS = {
+    "camera": lib.FFP_ORBIT_CAMERA,
+    "projector": lib.FFP_ORBIT_PROJECTOR,
+    "object": lib.FFP_ORBIT_OBJECT,
+}
 _WIDTHS = {"centre": 3, "scale": 3, "rotation": 4, "opacity": 1, "albedo": 3, "roughness": 1, "ambient": 3}
+
+
+@dataclass
+class ExportStats:
+    """Contents of an exported file."""
+
+    splats: int
+    triangles: int
+    bytes: int
+
+
+@dataclass
+class PageStats:
+    """Contents of a page."""
+
+    gaussians: int
+    bytes: int
+    patterns: int
+    photographs: int
 
 
 class Gaussians(Handle):
@@ -114,6 +148,44 @@ class Gaussians(Handle):
             arrays = tuple(array.copy() for array in self.arrays().values())
         return _restored, (type(self), arrays, getattr(self, "stats", None))
 
+    @classmethod
+    def concatenate(cls, parts: Iterable[Gaussians]) -> Gaussians:
+        """The Gaussians of several objects in one world, in their order, as a copy of their arrays."""
+        several = list(parts)
+        if not several:
+            raise argument_error("expected at least one", "parts")
+        with holding(*several):
+            return Gaussians(_copy(tuple(np.concatenate([p._array(name) for p in several]) for name in _WIDTHS)))
+
+    def transformed(
+        self, rotation: npt.ArrayLike = (0, 0, 0), translation: npt.ArrayLike = (0, 0, 0), scale: float = 1
+    ) -> Gaussians:
+        """A copy of the arrays, moved by x -> scale * rotation x + translation.
+
+        Devices that should see the same move along: Pinhole.moved for scale 1. Light falls off with the square of the
+        distance, so in a world that is larger by ``scale`` the projector's intensity is larger by scale^2.
+
+        Args:
+            rotation: [3,3], or OpenCV's rvec [3], axis times angle in radians.
+            translation: [3] world units.
+            scale: above 0.
+        """
+        turn, way, s = rotation_of(rotation), np.asarray(translation, np.float64), float(scale)
+        if not (np.isfinite(turn).all() and np.allclose(turn @ turn.T, np.eye(3), atol=1e-5) and np.linalg.det(turn) > 0):
+            raise argument_error("not a rotation", "rotation")
+        if way.shape != (3,):
+            raise argument_error(f"shape {way.shape} is not (3,)", "translation")
+        if not 0 < s < np.inf:
+            raise argument_error(f"{s} is not above 0 and finite", "scale")
+        with holding(self):
+            arrays = self.arrays()
+            centre = s * arrays["centre"].astype(np.float64) @ turn.T + way
+            (a, *v), (w, *u) = quaternion_of(turn), arrays["rotation"].astype(np.float64).T
+            first, then = np.array(v)[None, :], np.stack(u, 1)
+            product = (a * w - then @ v)[:, None], a * then + w[:, None] * first + np.cross(first, then)
+            moved = {"centre": centre, "scale": s * arrays["scale"], "rotation": np.concatenate(product, 1)}
+            return Gaussians(_copy(tuple({**arrays, **moved}.values())))
+
     def copy(self) -> Gaussians:
         """A copy, checked as by from_arrays."""
         with holding(self):
@@ -184,6 +256,146 @@ class Gaussians(Handle):
         with holding(self), Call() as call:
             call.check(lib.ffp_gaussians_save(call.context, self._pointer, keep.path(path), call.error))
 
+    def export(
+        self,
+        path: PathLike,
+        capture: Capture | PathLike | None = None,
+        *,
+        mesh: bool = False,
+        resolution: int = 128,
+        light: PathLike | None = None,
+        fit: str = "cover",
+        projector_view: str | None = None,
+        camera_view: str | None = None,
+        poses: PathLike | None = None,
+        up: str = "z",
+        form: str = "ours",
+        force: bool = False,
+        progress: ProgressOption = None,
+        threads: int = 0,
+    ) -> ExportStats:
+        """Writes Gaussians for programs that do not simulate projectors, as ``ffprocams export`` does.
+
+        Args:
+            path: the extension selects the format: splats as .ply (the layout of 3DGS), .spz, .gltf or .glb
+                (KHR_gaussian_splatting); a mesh as .glb, .gltf or .obj.
+            capture: the capture that the Gaussians come from, or its path; needed for light and mesh.
+            mesh: a closed surface with albedo and roughness instead of splats.
+            resolution: cells along the mesh's longest side, 16 to 512.
+            light: baked into the splats. None or "ambient": ambient light only; "white", the name of a pattern of the
+                capture or an image file: also the projector showing it.
+            fit: how an image file goes into the projector's frame: cover, contain, stretch or pixel.
+            projector_view: view whose projector shines; None: the first.
+            camera_view: view for whose camera highlights are baked in; None: no highlights.
+            poses: file of camera and projector poses to take these views from; None: the capture's.
+            up: of the Gaussians' world: z, y or -y; files use the axes of their format.
+            form: in which the Gaussians are drawn, as in Renderer.
+            force: let plain splats replace a PLY of relightable Gaussians.
+            progress: see ffprocams.ProgressOption.
+            threads: number of threads; 0: all processors.
+        """
+        given = None if capture is None else capture_of(capture)
+        keep, options, stats = Keep(), ffi.new("FfpExport *", lib.ffp_export_defaults()), ffi.new("FfpExportStats *")
+        options.file, options.mesh, options.resolution = keep.path(path), mesh, resolution
+        options.light, options.framing = keep.path(light), one_of(FRAMINGS, fit, "fit")
+        options.projector_view, options.camera_view = keep.text(projector_view), keep.text(camera_view)
+        options.poses, options.up, options.form = keep.path(poses), one_of(_UPS, up, "up"), one_of(_FORMS, form, "form")
+        options.force = force
+        with holding(self, given), Call(progress, threads) as call:
+            call.check(lib.ffp_export(call.context, self._pointer, _pointer_of(given), options, stats, call.error))
+        out: ExportStats = record(ExportStats, stats)
+        return out
+
+    def page(
+        self,
+        path: PathLike,
+        capture: Capture | PathLike,
+        *,
+        photographs: int = 512,
+        poses: PathLike | None = None,
+        form: str = "ours",
+        samples: int = 0,
+        progress: ProgressOption = None,
+        threads: int = 0,
+    ) -> PageStats:
+        """Writes one HTML file that draws the Gaussians in a browser, as ``ffprocams view`` does.
+
+        Args:
+            path: of the HTML file.
+            capture: the capture that the Gaussians come from, or its path.
+            photographs: longest side, in pixels, of the photographs to include; 0: none.
+            poses: file of additional camera and projector poses to jump to.
+            form, samples: how Gaussians are drawn, as in Renderer; not "gs-procams".
+            progress: see ffprocams.ProgressOption.
+            threads: number of threads; 0: all processors.
+        """
+        given = capture_of(capture)
+        keep, options, stats = Keep(), ffi.new("FfpPage *", lib.ffp_page_defaults()), ffi.new("FfpPageStats *")
+        options.file, options.poses, options.photographs = keep.path(path), keep.path(poses), photographs
+        options.drawing = drawing_of(form, samples)
+        with holding(self, given), Call(progress, threads) as call:
+            call.check(lib.ffp_write_page(call.context, self._pointer, given._pointer, options, stats, call.error))
+        out: PageStats = record(PageStats, stats)
+        return out
+
+    def render(
+        self,
+        folder: PathLike,
+        capture: Capture | PathLike | None = None,
+        *,
+        views: str | Sequence[str] = (),
+        patterns: PathLike | Sequence[PathLike] = (),
+        fit: str = "cover",
+        width: int = 0,
+        height: int = 0,
+        intensity: npt.ArrayLike = 0,
+        poses: PathLike | None = None,
+        orbit: str | None = None,
+        frames: int = 0,
+        video: PathLike | None = None,
+        rate: int = 15,
+        maps: bool = False,
+        form: str = "ours",
+        samples: int = 0,
+        progress: ProgressOption = None,
+        threads: int = 0,
+    ) -> int:
+        """Writes pictures of views under patterns, or a film of an orbit, as ``ffprocams render`` does. Returns the number
+        of pictures, G-buffers included. For arrays see Renderer.
+
+        Args:
+            folder: for <view>_<pattern>.png, or frame_<number>.png with an orbit or a video; created if necessary.
+            capture: the capture that the Gaussians come from, or its path; None: ``poses`` names a file.
+            views: ids; none: all.
+            patterns: names of the capture's patterns, image files or folders of image files; none: white.
+            fit: how image files go into the projector's frame: cover, contain, stretch or pixel.
+            width, height: of the pictures, pixels; 0: the camera's.
+            intensity: [3] or one number, the projector's radiant intensity at pattern value 1; 0: the capture's.
+            poses: file of camera and projector poses; None: the capture's.
+            orbit: one full turn of the "camera", the "projector" or the "object", from the first of ``views``.
+            frames: number of pictures of the orbit.
+            video: file for a film of all pictures: .png, .apng, .gif, .mp4, .webm or .mkv (by ffmpeg).
+            rate: frames per second of the film, 1 to 1000.
+            maps: also write the G-buffers.
+            form, samples: how Gaussians are drawn, as in Renderer.
+            progress: see ffprocams.ProgressOption.
+            threads: number of threads; 0: all processors.
+        """
+        given = None if capture is None else capture_of(capture)
+        keep, options = Keep(), ffi.new("FfpPictures *", lib.ffp_pictures_defaults())
+        ids, shown = [keep.text(v) for v in some(views)], [keep.path(p) for p in some(patterns)]
+        options.views, options.n_views = keep.texts(ids), len(ids)
+        options.patterns, options.n_patterns = keep.texts(shown), len(shown)
+        options.folder, options.poses, options.video = keep.path(folder), keep.path(poses), keep.path(video)
+        options.framing, options.width, options.height = one_of(FRAMINGS, fit, "fit"), width, height
+        options.intensity, options.frames, options.rate, options.maps = three(intensity), frames, rate, maps
+        if orbit is not None:
+            options.orbit = one_of(_ORBITS, orbit, "orbit")
+        options.drawing = drawing_of(form, samples)
+        with holding(self, given), Call(progress, threads) as call:
+            written = lib.ffp_render_pictures(call.context, self._pointer, _pointer_of(given), options, call.error)
+            return int(call.check(written))
+
     def __len__(self) -> int:
         return int(lib.ffp_gaussians_count(self._pointer))
 
@@ -206,6 +418,10 @@ def _copy(given: tuple[npt.ArrayLike, ...]) -> Any:
         return call.take(
             lib.ffp_gaussians_from_arrays(call.context, arrays, call.error), lib.ffp_gaussians_close
         )
+
+
+def _pointer_of(given: Handle | None) -> Any:
+    return ffi.NULL if given is None else given._pointer
 
 
 def _restored(kind: type[Any], arrays: tuple[Floats, ...], stats: Any) -> Any:

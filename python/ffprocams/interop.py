@@ -18,7 +18,7 @@ import numpy as np
 from ._call import PathLike
 from ._pixels import Array, Floats, encode
 from .capture import Capture
-from .devices import Pinhole, inverse, rigid
+from .devices import Pinhole, inverse, quaternion_of, rigid
 from .errors import argument_error
 from .gaussians import Gaussians, gaussians_of
 from .renderer import Renderer
@@ -217,20 +217,6 @@ def _frames(document: dict[str, Any], key: str) -> dict[str, Pinhole]:
     return out
 
 
-def _quaternion(r: Array) -> Array:
-    """w x y z of a rotation matrix, as the eigenvector of Bar-Itzhack's symmetric matrix (2000)."""
-    k = np.array(
-        [
-            [r[0, 0] - r[1, 1] - r[2, 2], 0, 0, 0],
-            [r[0, 1] + r[1, 0], r[1, 1] - r[0, 0] - r[2, 2], 0, 0],
-            [r[0, 2] + r[2, 0], r[1, 2] + r[2, 1], r[2, 2] - r[0, 0] - r[1, 1], 0],
-            [r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1], r[0, 0] + r[1, 1] + r[2, 2]],
-        ]
-    )
-    x, y, z, w = np.linalg.eigh(k)[1][:, -1]  # of the lower triangle
-    return np.array([w, x, y, z]) * (1 if w >= 0 else -1)
-
-
 def _write_model(
     folder: Path,
     devices: dict[str, Pinhole],
@@ -251,7 +237,7 @@ def _write_model(
         rows, at = tracks[i] if tracks else none
         seen = np.empty(len(rows), [("x", "<f8"), ("y", "<f8"), ("point", "<u8")])
         seen["x"], seen["y"], seen["point"] = at[:, 0], at[:, 1], rows + 1
-        images.append(struct.pack("<I7dI", i + 1, *_quaternion(turn), *(-turn @ pose[:3, 3]), number))
+        images.append(struct.pack("<I7dI", i + 1, *quaternion_of(turn), *(-turn @ pose[:3, 3]), number))
         images.append(name.encode() + b"\0" + struct.pack("<Q", len(rows)) + seen.tobytes())
     kinds = [struct.pack("<I", number) + camera for camera, number in cameras.items()]
     (folder / "cameras.bin").write_bytes(struct.pack("<Q", len(kinds)) + b"".join(kinds))

@@ -13,7 +13,7 @@ from typing import Any
 import ffprocams as ffp
 import numpy as np
 import pytest
-from ffprocams import protocols
+from ffprocams import devices, protocols
 
 
 def program() -> str:
@@ -57,6 +57,86 @@ def test_pictures_show_the_object(capture: ffp.Capture, gaussians: ffp.Gaussians
     np.testing.assert_array_equal(
         renderer.shade(None, capture.intensity), pictures[names.index(capture.black)]
     )
+
+
+def test_files_as_the_program_writes_them(
+    capture: ffp.Capture, gaussians: ffp.Gaussians, sample: Path, tmp_path: Path
+) -> None:
+    """Exports, pages, pictures and films: the same bytes."""
+    ours, theirs, ply = tmp_path / "python", tmp_path / "program", tmp_path / "spot.ply"
+    ours.mkdir(), theirs.mkdir()
+    gaussians.save(ply)
+    spot, white, view = ffp.Gaussians.load(ply), capture.white, capture.view_ids[3]
+
+    def run(*command: object) -> None:
+        subprocess.run([program(), *map(str, command)], check=True, capture_output=True, cwd=theirs)
+
+    run("export", ply, "-o", "plain.spz", "--up=-y", "--drawing", "paper")
+    plain = spot.export(ours / "plain.spz", up="-y", form="paper")
+    run("export", ply, "-c", sample, "-o", "lit.ply", "--light", "lollipop_3", "--projector-view", view, "--camera-view", view)
+    lit = spot.export(ours / "lit.ply", capture, light="lollipop_3", projector_view=view, camera_view=view)
+    run("export", ply, "-c", sample, "-o", "mesh.glb", "--mesh", "--resolution", "32")
+    mesh = spot.export(ours / "mesh.glb", sample, mesh=True, resolution=32)
+    assert mesh.triangles > 1000 and mesh.splats == 0 and plain.triangles == 0
+    assert plain.splats == lit.splats == len(spot) and plain.bytes == (ours / "plain.spz").stat().st_size
+    run("view", ply, "-c", sample, "-o", "page.html", "--photographs", "64")
+    page = spot.page(ours / "page.html", capture, photographs=64)
+    assert page.gaussians == len(spot) and page.photographs > 0 and page.bytes == (ours / "page.html").stat().st_size
+    run("render", ply, "-c", sample, "-o", "stills", "--view", view, "--pattern", "lollipop_1", "--pattern", white, "--size", "64x48", "--maps")
+    assert spot.render(ours / "stills", sample, views=view, patterns=["lollipop_1", white], width=64, height=48, maps=True) == 9
+    run("render", ply, "-c", sample, "-o", "film", "--orbit", "object,4", "--size", "64", "--video", "film.png")
+    assert spot.render(ours / "film", capture, orbit="object", frames=4, width=64, video=ours / "film.png") == 4
+    for kind, start in (("plain.spz", b"\x1f\x8b"), ("lit.ply", b"ply\n"), ("mesh.glb", b"glTF"), ("film.png", b"\x89PNG")):
+        assert (ours / kind).read_bytes().startswith(start), kind
+    files = sorted(f.relative_to(theirs) for f in theirs.rglob("*") if f.is_file())
+    assert files == sorted(f.relative_to(ours) for f in ours.rglob("*") if f.is_file()) and len(files) > 15
+    for file in files:
+        assert (ours / file).read_bytes() == (theirs / file).read_bytes(), file
+
+    for wrong, name in (
+        (lambda: spot.export(ours / "a.ply", up="x"), "up"),
+        (lambda: spot.export(ours / "a.obj"), "mesh"),
+        (lambda: spot.export(ply), "relightable"),
+        (lambda: spot.page(ours / "a.html", capture, form="gs-procams"), "falloff"),
+        (lambda: spot.render(ours / "a", capture, orbit="moon"), "moon"),
+        (lambda: spot.render(ours / "a", capture, views="nowhere"), "nowhere"),
+    ):
+        with pytest.raises(ffp.Error, match=name):
+            wrong()
+    assert not list(ours.glob("a*")) and ffp.Gaussians.load(ply).albedo.any()
+
+
+def test_gaussians_are_put_together_and_moved(capture: ffp.Capture, gaussians: ffp.Gaussians) -> None:
+    """A world that is turned, moved and enlarged looks the same to devices that go with it."""
+    first, rest = gaussians[:700], gaussians[700:]
+    whole = ffp.Gaussians.concatenate(part for part in (first, rest))
+    for name, array in whole.arrays().items():
+        np.testing.assert_array_equal(array, getattr(gaussians.copy(), name), name)
+
+    turn, way, scale = devices.rotation_of((0.4, -1.1, 2.3)), np.array([3.0, -2.0, 1.0]), 2.5
+    moved = gaussians.transformed(turn, way, scale)
+    cameras = capture.camera(1), capture.projector(1)
+    after = [p.moved(devices.rigid(turn, way)) for p in cameras]
+    for p, q in zip(cameras, after):
+        q.pose[:3, 3] = scale * turn @ p.position + way
+    pattern, light = capture.pattern("lollipop_3"), capture.intensity
+    renderer = ffp.Renderer()
+    before = renderer.aim(gaussians, *cameras).shade(pattern, light, linear=True)
+    shown = renderer.aim(moved, *after).shade(pattern, scale**2 * light, linear=True)
+    assert before.max() > 0.3 and np.abs(shown - before).mean() < 2e-4 * before.mean()
+    rvec = gaussians.transformed((0.4, -1.1, 2.3), way, scale)
+    np.testing.assert_allclose(rvec.rotation, moved.rotation, atol=1e-6)
+    np.testing.assert_array_equal(gaussians.transformed().centre, gaussians.centre)
+    for given, name in (
+        ({"rotation": 2 * np.eye(3)}, "rotation"),
+        ({"rotation": -np.eye(3)}, "rotation"),
+        ({"translation": (1, 2)}, "translation"),
+        ({"scale": 0}, "scale"),
+    ):
+        with pytest.raises(ffp.ArgumentError, match=name):
+            gaussians.transformed(**given)  # type: ignore[arg-type]
+    with pytest.raises(ffp.ArgumentError, match="at least one"):
+        ffp.Gaussians.concatenate([])
 
 
 def test_maps_of_a_view(capture: ffp.Capture, gaussians: ffp.Gaussians) -> None:
