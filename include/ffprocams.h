@@ -192,9 +192,9 @@ typedef struct FfpReconstruction {
     bool force;
 } FfpReconstruction;
 #define FFP_POLISH_STEPS 72
-#define FFP_POLISH_AUTO (-1) // FFP_POLISH_STEPS, or 9 steps per view with more than 8; scenes: twice that
+#define FFP_POLISH_AUTO (-1) // FFP_POLISH_STEPS, or 9 steps per view with more than 8; scenes: 2.5 times that
 #define FFP_NOISE_ESTIMATED (-1.0)
-#define FFP_LAYERS_AUTO (-1.0) // all for up to 200,000 splats, otherwise two layers
+#define FFP_LAYERS_AUTO (-1.0) // all for up to 200,000 splats, otherwise two; scenes: one
 
 // The shipped model's drawing; automatic polish, noise and layers. Set `model` afterwards.
 FFP_API FfpReconstruction ffp_reconstruction_defaults(void);

@@ -100,7 +100,7 @@ def reconstruct(
             network sees; matching and the polish use all that a view has photographs under. None: the first that every
             view has.
         polish: gradient steps, one view each; 0: the forward pass alone; None: 72, or 9 per view with more than 8
-            views; for scenes twice that.
+            views; for scenes 2.5 times that.
         noise: standard deviation of the noise to be filtered from the photographs first, in linear values from 0 to 1;
             0: no filtering; None: estimated.
         layers: how many splats may cover the same place of the surface; 0: a splat for every pixel of every view;

@@ -3,10 +3,10 @@
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "core/base/call.h"
+#include "engine/match/kernels/kernels.h"
 #include "engine/match/line.h"
 
 enum { NEIGHBOURS = 4, ALIKE = 2 };
-#define UNLIKE 0.1F  // difference of an encoded channel beyond which it tells no more
 #define UNKNOWN 0.5F // cost where no neighbour sees the point
 
 // Views that a view is compared with.
@@ -105,40 +105,30 @@ typedef struct Sweep {
     const FfpForeground *foreground;
     const FfpPlanes *planes;
     Neighbours neighbours;
-    FfpLine *lines; // [NEIGHBOURS, foreground]
-    real *single;   // [h,w] cost of one plane and neighbour at each pixel; -1: unseen
-    real *rows;     // [h,w] the same summed over three pixels of a row, and how many there are
+    real *lines;  // [NEIGHBOURS, 6, foreground] FfpLine's numbers
+    real *single; // [h,w] cost of one plane and neighbour at each pixel; -1: unseen
+    real *rows;   // [h,w] the same summed over three pixels of a row, and how many there are
     unsigned char *counts;
 } Sweep;
 
-// Cost of a pixel at a plane; -1 where the neighbour does not see the point.
-static real pixel_cost(const Sweep *w, int n, size_t slot, real at) {
-    const FfpCapture *capture = w->stereo->capture;
-    const FfpView *seer = &capture->views[w->neighbours.view[n]];
-    const FfpLine *line = &w->lines[(size_t)n * w->foreground->count + slot];
-    const real depth = line->w[0] + line->w[1] * at;
-    if (!(depth > 1e-6F)) return -1;
-    const real inverse = 1 / depth;
-    const real u = (line->u[0] + line->u[1] * at) * inverse - 0.5F,
-               v = (line->v[0] + line->v[1] * at) * inverse - 0.5F;
-    if (!(u >= 0 && v >= 0 && u < (real)(ffp_frame_width(seer) - 1) &&
-          v < (real)(ffp_frame_height(seer) - 1)))
-        return -1;
-    const size_t width = (size_t)w->width, area = width * (size_t)w->height;
-    const int x = (int)u, y = (int)v;
-    const real a = u - (real)x, b = v - (real)y;
-    const FfpStereoCell *p = w->stereo->cells + (size_t)w->neighbours.view[n] * area + (size_t)y * width +
-                             (size_t)x,
-                        *q = p + width;
-    const FfpStereoCell left = p[0] + b * (q[0] - p[0]), right = p[1] + b * (q[1] - p[1]);
-    const FfpStereoCell own = w->stereo->cells[(size_t)w->view * area + w->foreground->pixel[slot]];
-    const FfpStereoCell off = own - (left + a * (right - left));
-    real sum = 0;
-    for (int c = 0; c < FFP_STEREO_CHANNELS; c++) {
-        const real difference = off[c] < 0 ? -off[c] : off[c];
-        sum += w->neighbours.weight[n][c] * (difference < UNLIKE ? difference : UNLIKE);
-    }
-    return sum / UNLIKE;
+void ffp_stereo_plane(real *single, const FfpStereoPlane *plane) {
+    ffp_match_kernels()->stereo_plane(single, plane);
+}
+
+static FfpStereoPlane plane_seen(const Sweep *w, int n, real at) {
+    const FfpView *seer = &w->stereo->capture->views[w->neighbours.view[n]];
+    const size_t area = (size_t)w->width * (size_t)w->height, count = w->foreground->count;
+    FfpStereoPlane plane = {.count = count,
+                            .pixel = w->foreground->pixel,
+                            .at = at,
+                            .own = w->stereo->cells + (size_t)w->view * area,
+                            .theirs = w->stereo->cells + (size_t)w->neighbours.view[n] * area,
+                            .weight = w->neighbours.weight[n],
+                            .width = w->width,
+                            .right = (real)(ffp_frame_width(seer) - 1),
+                            .bottom = (real)(ffp_frame_height(seer) - 1)};
+    for (size_t k = 0; k < 6; k++) plane.line[k] = w->lines + (6 * (size_t)n + k) * count;
+    return plane;
 }
 
 static void sum_rows(const Sweep *w) {
@@ -173,8 +163,8 @@ static real window_mean(const Sweep *w, size_t i) {
 static void add_neighbour(const Sweep *w, int n, int plane, real *least) {
     const FfpForeground *foreground = w->foreground;
     const real at = w->planes->first + (real)plane * w->planes->step;
-    for (size_t slot = 0; slot < foreground->count; slot++)
-        w->single[foreground->pixel[slot]] = pixel_cost(w, n, slot, at);
+    const FfpStereoPlane seen = plane_seen(w, n, at);
+    ffp_stereo_plane(w->single, &seen);
     sum_rows(w);
     for (size_t slot = 0; slot < foreground->count; slot++) {
         const real cost = window_mean(w, foreground->pixel[slot]);
@@ -207,7 +197,7 @@ void ffp_stereo_costs(real *cost, const FfpStereo *stereo, int view, const FfpFo
                foreground,
                planes,
                find_neighbours(stereo->capture, view),
-               ffp_alloc(NEIGHBOURS * (foreground->count + 1), sizeof *w.lines),
+               ffp_alloc(NEIGHBOURS * 6 * (foreground->count + 1), sizeof *w.lines),
                ffp_alloc(area, sizeof(real)),
                ffp_alloc(area, sizeof(real)),
                ffp_alloc(area, 1)};
@@ -217,8 +207,11 @@ void ffp_stereo_costs(real *cost, const FfpStereo *stereo, int view, const FfpFo
         for (size_t slot = 0; slot < foreground->count; slot++) {
             const real x = (real)(foreground->pixel[slot] % width) + 0.5F,
                        y = (real)(foreground->pixel[slot] / width) + 0.5F;
-            w.lines[(size_t)n * foreground->count + slot] = ffp_plane_line(
+            const FfpLine line = ffp_plane_line(
                 planes, ffp_line(camera, x, y, &stereo->capture->views[w.neighbours.view[n]].camera));
+            const real numbers[6] = {line.u[0], line.u[1], line.v[0], line.v[1], line.w[0], line.w[1]};
+            for (size_t k = 0; k < 6; k++)
+                w.lines[(6 * (size_t)n + k) * foreground->count + slot] = numbers[k];
         }
     for (int plane = 0; plane < planes->count && w.neighbours.count > 0; plane++) {
         add_plane(cost, &w, plane, share, least);

@@ -15,6 +15,21 @@ typedef struct FfpStereo {
     FfpStereoCell *cells; // [views,h,w]
 } FfpStereo;
 
+// A plane of the sweep, as a neighbour sees it.
+typedef struct FfpStereoPlane {
+    size_t count;        // the view's pixels that are compared,
+    const size_t *pixel; // [count] y * width + x, both pictures' width
+    const real *line[6]; // [count] each: u, v and w of FfpLine, at the inverse depth `at`
+    real at;
+    const FfpStereoCell *own, *theirs; // [h,w]
+    FfpStereoCell weight;              // of the channels; their sum is 1
+    int width;
+    real right, bottom; // of the neighbour's pixels; positions from there on are outside
+} FfpStereoPlane;
+// single [h,w] at the pixels: their cost, the weighted difference in [0,1]; -1 where the neighbour does not
+// see the point.
+void ffp_stereo_plane(real *single, const FfpStereoPlane *plane);
+
 // The view's pictures as they are compared; `pattern` is an index into the capture's.
 FfpStereo ffp_stereo_new(const FfpCapture *capture, int pattern);
 void ffp_stereo_free(FfpStereo *stereo);

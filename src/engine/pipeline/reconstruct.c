@@ -30,7 +30,9 @@ _Static_assert(FFP_POLISH_STEPS == FFP_POLISH_DEFAULT_STEPS, "one number, in two
 #define FEW_VIEWS 4        // fewer than these leave sides of any object out
 #define SAME_PLACE 0.01    // between projectors' places that count as one, in radii
 #define SPLATS_ALL 200000  // that are kept where nobody says how many,
-#define LAYERS_OF_MORE 2   // and of more
+#define LAYERS_OF_MORE 2   // and of more;
+#define SCENE_LAYERS 1     // of a whole scene, whatever their number (docs/lab/notebook/layers.md)
+#define SCENE_STEPS 2.5    // of the polish for each of an object's
 
 // The state that a reconstruction passes from step to step.
 typedef struct Work {
@@ -119,11 +121,11 @@ static void keep_initial_if_better(Work *w, const FfpReconstruction *options, Ff
     }
 }
 
-// Every step looks at one view. Scenes gain from twice as many (docs/lab/baselines.md).
+// Every step looks at one view.
 static int64_t polish_steps(const FfpReconstruction *options, const FfpCapture *capture) {
     if (options->polish >= 0) return options->polish;
     const int views = capture->n_views > POLISH_VIEWS ? capture->n_views : POLISH_VIEWS;
-    return (capture->scene ? 2 : 1) * FFP_POLISH_STEPS * views / POLISH_VIEWS;
+    return (int64_t)((capture->scene ? SCENE_STEPS : 1) * FFP_POLISH_STEPS * views / POLISH_VIEWS);
 }
 
 // Splats that a fit has moved onto the background of views would be seen beside the object from elsewhere.
@@ -210,6 +212,7 @@ static void leave_repeated_views_out(FfpCapture *alias) {
 
 static void thin(Work *w, const FfpReconstruction *options) {
     double layers = options->layers;
+    if (layers < 0 && w->capture.scene) layers = SCENE_LAYERS;
     if (layers < 0) layers = w->result.count > SPLATS_ALL ? LAYERS_OF_MORE : 0;
     ffp_thin(&w->result, w->pixel, &w->padded, w->start.confidence, layers);
 }

@@ -80,15 +80,16 @@ static const FfpOption options[] = {
     FFP_CLI_POLISH(offsetof(Arguments, how.polish),
                    "steps of the fit, one view per step; for pictures above 192 pixels, steps at the "
                    "smallest of several sizes, with fewer at larger ones. 0: the forward pass only. Default: "
-                   "auto, which is 72, or 9 per view with more than 8 views; for scenes twice that"),
+                   "auto, which is 72, or 9 per view with more than 8 views; for scenes 2.5 times that"),
     FFP_CLI_NOISE(
         offsetof(Arguments, how.noise),
         "standard deviation of the noise that is first filtered from the photographs, in linear values from "
         "0 to 1. 0: no filtering. Default: auto, estimated from the differences among a view's photographs"),
-    FFP_CLI_LAYERS(offsetof(Arguments, how.layers),
-                   "how many splats may cover the same place of the surface, keeping those of the views with "
-                   "the finest resolution there: a number of at least 0.5, or `all` for a splat for every "
-                   "pixel of every view. Default: auto: all for up to 200,000 splats, otherwise 2"),
+    FFP_CLI_LAYERS(
+        offsetof(Arguments, how.layers),
+        "how many splats may cover the same place of the surface, keeping those of the views with "
+        "the finest resolution there: a number of at least 0.5, or `all` for a splat for every "
+        "pixel of every view. Default: auto: all for up to 200,000 splats, otherwise 2; 1 for whole scenes"),
     FFP_CLI_SAMPLES(
         offsetof(Arguments, how.drawing.samples),
         "samples per side of a pixel while fitting, 1 to 4. Default: the model's setting, otherwise 2"),

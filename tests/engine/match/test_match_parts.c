@@ -9,6 +9,7 @@
 #include "engine/match/match.h"
 #include "engine/match/projector_rays.h"
 #include "engine/match/prune.h"
+#include "engine/match/stereo.h"
 #include "engine/match/surface.h"
 #include "engine/match/sweep.h"
 #include "support.h"
@@ -149,6 +150,35 @@ static real brute_path(const Costs *c, int x, int y, int k, const int way[2]) {
     if (k > 0) best = fminf(best, before[k - 1] + c->small);
     if (k + 1 < c->n) best = fminf(best, before[k + 1] + c->small);
     return own + best - least;
+}
+
+// One channel counts, and the neighbour's is x + 10 y hundredths.
+static void test_photographs_at_a_plane(void **state) {
+    (void)state;
+    enum { W = 4, H = 3 };
+    FfpStereoCell own[4] = {{0}}, theirs[W * H] = {{0}};
+    for (int i = 0; i < W * H; i++) theirs[i][1] = (real)(i % W + 10 * (i / W)) / 100;
+    own[0][1] = own[1][1] = own[2][1] = 0.1F;
+    // Pixel x 2, y 1.25; behind the neighbour; outside; the first again, and quite unlike.
+    const real u0[] = {2, 2, 0.2F, 2}, u1[] = {0.5F, 0.5F, 0, 0.5F}, v0[] = {1.75F, 1.75F, 1.5F, 1.75F},
+               v1[4] = {0}, w0[] = {1, -1, 1, 1}, w1[4] = {0};
+    const size_t pixel[] = {0, 1, 2, 3};
+    const FfpStereoPlane plane = {.count = 4,
+                                  .pixel = pixel,
+                                  .line = {u0, u1, v0, v1, w0, w1},
+                                  .at = 1,
+                                  .own = own,
+                                  .theirs = theirs,
+                                  .weight = {0, 1},
+                                  .width = W,
+                                  .right = W - 1,
+                                  .bottom = H - 1};
+    real single[4];
+    ffp_stereo_plane(single, &plane);
+    assert_float_equal(single[0], (0.145 - 0.1) / 0.1, 1e-5);
+    assert_float_equal(single[1], -1, 0);
+    assert_float_equal(single[2], -1, 0);
+    assert_float_equal(single[3], 1, 1e-5);
 }
 
 static void test_semi_global(void **state) {
@@ -311,6 +341,7 @@ int main(void) {
                                        cmocka_unit_test(test_line_is_projection),
                                        cmocka_unit_test(test_planes_keep_apart),
                                        cmocka_unit_test(test_fill_is_harmonic),
+                                       cmocka_unit_test(test_photographs_at_a_plane),
                                        cmocka_unit_test(test_semi_global),
                                        cmocka_unit_test(test_projector_rays),
                                        cmocka_unit_test(test_asked),

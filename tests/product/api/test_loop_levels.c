@@ -93,6 +93,32 @@ static void paths(Answer *answer) {
     ffp_foreground_free(&foreground), ffp_image_free(&coverage);
 }
 
+static void photographs(Answer *answer) {
+    enum { W = 21, H = 13, COUNT = W * H, LINE = 6 };
+    static FfpStereoCell own[COUNT], theirs[COUNT];
+    static real line[LINE][COUNT], single[COUNT];
+    static size_t pixel[COUNT];
+    for (int i = 0; i < COUNT; i++) {
+        real cells[2 * FFP_STEREO_CHANNELS];
+        fill(cells, 2 * FFP_STEREO_CHANNELS, 60 + (uint64_t)i, 0, 0.3);
+        for (int c = 0; c < FFP_STEREO_CHANNELS; c++) own[i][c] = cells[c], theirs[i][c] = cells[8 + c];
+        pixel[i] = (size_t)i;
+    }
+    for (int k = 0; k < LINE; k++) fill(line[k], COUNT, 50 + (uint64_t)k, k < 4 ? -1 : 0.2, k < 4 ? 12 : 1);
+    FfpStereoPlane plane = {.count = COUNT,
+                            .pixel = pixel,
+                            .at = 0.7F,
+                            .own = own,
+                            .theirs = theirs,
+                            .weight = {0.2F, 0.1F, 0.1F, 0.2F, 0.1F, 0.1F, 0.2F},
+                            .width = W,
+                            .right = W - 1,
+                            .bottom = H - 1};
+    for (int k = 0; k < LINE; k++) plane.line[k] = line[k];
+    ffp_stereo_plane(single, &plane);
+    give(answer, single, COUNT);
+}
+
 static void light(Answer *answer) {
     enum { W = 48, H = 40 };
     const real eye[3] = {3, 0, 0}, above[3] = {2, 0.5F, 1.5F}, origin[3] = {0}, intensity[3] = {7, 8, 9};
@@ -154,8 +180,9 @@ static const struct {
     const char *name;
     void (*run)(Answer *answer);
 } loops[] = {
-    {"similarity", similarity}, {"convolution", convolution}, {"planes", planes}, {"paths", paths},
-    {"light", light},           {"smoothing", smoothing},
+    {"similarity", similarity}, {"convolution", convolution}, {"planes", planes},
+    {"paths", paths},           {"photographs", photographs}, {"light", light},
+    {"smoothing", smoothing},
 };
 
 static double share_off(const Answer *a, const Answer *b) {

@@ -5,4 +5,5 @@ const FfpMatchKernels FFP_K(match) = {
     .fit_planes = FFP_K(fit_planes),
     .refine_pixel = FFP_K(refine_pixel),
     .semi_global = FFP_K(semi_global),
+    .stereo_plane = FFP_K(stereo_plane),
 };

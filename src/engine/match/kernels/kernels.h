@@ -5,6 +5,7 @@
 #include "core/base/level.h"
 #include "engine/match/blurred.h"
 #include "engine/match/refine.h"
+#include "engine/match/stereo.h"
 #include "engine/match/surface.h"
 #include "engine/match/sweep.h"
 
@@ -16,10 +17,14 @@ typedef real FfpRefinePixel(const FfpFineSearch *search, const FfpPlane *plane, 
 typedef void FfpSemiGlobal(real *total, const real *cost, const FfpForeground *foreground, int count,
                            real small, real large);
 
+// ffp_stereo_plane.
+typedef void FfpSweepStereoPlane(real *single, const FfpStereoPlane *plane);
+
 typedef struct FfpMatchKernels {
     FfpFitPlanes *fit_planes;
     FfpRefinePixel *refine_pixel;
     FfpSemiGlobal *semi_global;
+    FfpSweepStereoPlane *stereo_plane;
 } FfpMatchKernels;
 
 FFP_LOOP_TABLES(FfpMatchKernels, match)
@@ -28,6 +33,7 @@ FFP_LOOP_TABLES(FfpMatchKernels, match)
 FfpFitPlanes FFP_K(fit_planes);
 FfpRefinePixel FFP_K(refine_pixel);
 FfpSemiGlobal FFP_K(semi_global);
+FfpSweepStereoPlane FFP_K(stereo_plane);
 #endif
 
 #endif
