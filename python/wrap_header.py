@@ -1,6 +1,6 @@
 """wrap_header.py INCLUDE OUT.c: writes the extension module's C source from the public header.
 
-What Python sees of the library is what the header declares: nothing is listed twice.
+Python sees all that the header declares: nothing is listed twice.
 """
 
 import re

@@ -29,7 +29,7 @@ class Undo {
   // A promise of a moment without a gesture, for what arrives late.
   rest() { return this.held.size ? new Promise((go) => this.waiting.push(go)) : Promise.resolve(); }
 
-  // What differs from the last state becomes a step; in the midst of a gesture only if `part` of one is wanted.
+  // A difference from the last state becomes a step; in the midst of a gesture only if `part` of one is wanted.
   note(part = false) {
     if (this.busy || (this.held.size && !part) || !this.ready()) return;
     const state = this.take();

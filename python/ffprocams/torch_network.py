@@ -1,4 +1,4 @@
-"""The network in PyTorch, with the library's weights and to its numbers: for training it another way. What belongs to
+"""The network in PyTorch, with the library's weights and to its numbers: for training it another way. The part for
 users is in ffprocams.torch.
 
 The blocks are described in docs/design/architecture.md, "network". The state-space scan is the chunked form of Dao and

@@ -3,7 +3,7 @@
 
 usage: tests/fuzz/make_seeds.py      (needs Pillow, for JPEG)
 
-What a fuzzer found and was mended lies there too, under names that begin with "found_"; those files stay.
+Inputs by which a fuzzer found faults, mended since, lie there too, under names that begin with "found_"; they stay.
 """
 import base64
 import gzip

@@ -180,8 +180,8 @@ void ffp_cuda_attention_scores(float *out, const FfpAttentionPlan *plan, const F
     ffp_cuda_product(&product);
 }
 
-// A warp for each row of scores: softmax weights as bf16, and the logarithm of their sum. What a lane has
-// read gives its own greatest score and sum first.
+// A warp for each row of scores: softmax weights as bf16, and the logarithm of their sum. Each lane first
+// finds the greatest score and the sum of its own part of a row.
 static __global__ void softmax_rows(float *log_sum, FfpAttentionPlan plan, FfpAttentionTile part) {
     const size_t line = (size_t)blockIdx.x * WARPS + threadIdx.x / FFP_WARP;
     if (line >= (size_t)part.group * part.span) return;

@@ -1,4 +1,4 @@
-// What attention's two passes share. Scores are whole matrices [queries, keys], for some heads and some
+// Common parts of attention's two passes. Scores are whole matrices [queries, keys], for some heads and some
 // queries at a time, so that they take no more than ffp_cuda_attention_bytes. They are kept to base 2: q
 // carries log2(e) / sqrt(head_dim), so that the softmax weight is 2^score.
 #ifndef FFP_CUDA_ATTENTION_H

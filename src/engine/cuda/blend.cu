@@ -20,7 +20,7 @@ static __device__ inline void fetch_splat(const FfpTiling *t, int64_t place, int
     batch->box[at] = t->boxes[splat];
 }
 
-// Called by all of the block: whether there is a warp left to draw.
+// Called by all of the block: true if there is a warp left to draw.
 static __device__ inline bool any_open(const Batch *batch) {
     __syncthreads();
     bool any = false;

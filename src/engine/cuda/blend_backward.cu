@@ -17,7 +17,7 @@ typedef struct Batch {
     float sums[FFP_TILE_WARPS][BATCH][FFP_SPLAT_SUMS];
 } Batch;
 
-// What is known of a pixel.
+// The state of a pixel.
 typedef struct Pixel {
     float x, y;                         // its centre
     float grad[FFP_CHANNELS], spread;   // of the loss; spread: twice that of the distortion

@@ -9,8 +9,8 @@ extern "C" {
 
 enum { CHANNELS = 128, RUN = 16, TAPS = 4 }; // a block's channels; rows of a run; the network's taps
 
-// What a thread holds of its channel. W, at least conv's taps, is a constant; taps that do not exist come
-// first and have weight 0.
+// A thread's part of its channel. W, at least conv's taps, is a constant; taps that do not exist come first
+// and have weight 0.
 template <int W> struct Column {
     float weight[W], bias;
     float x[W]; // rows i - W + 1 to i

@@ -1,4 +1,5 @@
-// What the sources of the losses on the GPU offer to their table (loss.cu). See engine/loss/table.h.
+// Functions that the sources of the losses on the GPU offer to their table (loss.cu). See
+// engine/loss/table.h.
 #ifndef FFP_CUDA_LOSS_ROOM_H
 #define FFP_CUDA_LOSS_ROOM_H
 

@@ -50,7 +50,7 @@ static __device__ void row_backward(float *dx, const float *dy, const float *x, 
         dx[i] = scale * (dy[i] * gain[i] - along_one - (x[i] - centre) * along_n);
 }
 
-// What a backward pass takes from the forward one.
+// The forward pass's numbers for the backward one.
 typedef struct Norm {
     const float *x;           // [rows, dim]
     const float *mean, *rstd; // [rows]; mean NULL: RMSNorm

@@ -17,7 +17,8 @@ typedef struct FfpColumns {
     size_t capacity; // strips are as long as fit; one output pixel must
 } FfpColumns;
 
-// What the whole of a convolution's output would take, of `images` images; 0 where nothing is unfolded.
+// Numbers in the unfolded input of a convolution's whole output, of `images` images; 0 where nothing is
+// unfolded.
 size_t ffp_cuda_columns(const FfpConv *conv, int images);
 // Products round their factors to TF32 (10 bits of mantissa) unless exact ones were asked for here: for
 // tests.

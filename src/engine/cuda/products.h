@@ -7,7 +7,7 @@ extern "C" {
 #endif
 #include "core/tensor/tensor.h"
 
-// What the operands are stored as, or rounded to. Sums and C are fp32.
+// The operands' type, as stored or rounded to. Sums and C are fp32.
 typedef enum FfpCudaOperands {
     FFP_OPERANDS_F32,
     FFP_OPERANDS_TF32, // fp32 numbers, of whose 23 bits of mantissa 10 are used: up to 8 times as fast

@@ -26,7 +26,7 @@ typedef struct alignas(16) FfpDeviceSplat {
     float unused[3];
 } FfpDeviceSplat;
 
-// What one tile gives to a splat's gradient, as FfpSplatGrad of engine/render/raster.h.
+// One tile's contribution to a splat's gradient, as FfpSplatGrad of engine/render/raster.h.
 typedef struct alignas(16) FfpDeviceSplatGrad {
     float g, gx, gy, gxx, gxy, gyy;
     float value[FFP_CHANNELS - 1];
@@ -37,7 +37,7 @@ static_assert(sizeof(FfpDeviceSplat) == 16 * FFP_SPLAT_QUADS);
 static_assert(sizeof(FfpDeviceSplatGrad) == 16 * FFP_SPLAT_QUADS);
 enum { FFP_SPLAT_SUMS = 6 + FFP_CHANNELS - 1 }; // numbers in use of the latter
 
-// What kernels need of a raster. A pair is a splat and a tile that it may touch; pairs are counted splat by
+// The kernels' view of a raster. A pair is a splat and a tile that it may touch; pairs are counted splat by
 // splat in the set's order, of each splat row by row of its tiles.
 typedef struct FfpTiling {
     int width, height, tiles_x, tiles_y;

@@ -1,4 +1,4 @@
-// What the sources of engine/refine/table.h's functions share.
+// Common declarations of the sources of engine/refine/table.h's functions.
 #ifndef FFP_CUDA_REFINE_H
 #define FFP_CUDA_REFINE_H
 

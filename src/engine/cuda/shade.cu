@@ -8,7 +8,7 @@ extern "C" {
 
 enum { BLOCK = 128 };
 
-// What the formulas reach by pointers: a kernel's constant argument.
+// Data that the formulas reach by pointers: a kernel's constant argument.
 typedef struct FfpLightScene {
     FfpGbuffer gbuffer, shadow;
     FfpMapping mapping;

@@ -1,6 +1,6 @@
-// What the passes of the state-space scan share: chunks of 64 rows, of which a block of threads has one of
-// one head. Names are those of core/tensor/kernels/scan.c and scan_backward.c. "Begin" and "end"
-// of a chunk are meant along the scan; rows keep their order in memory.
+// Common parts of the passes of the state-space scan: chunks of 64 rows, of which a block of threads has one
+// of one head. Names are those of core/tensor/kernels/scan.c and scan_backward.c. "Begin" and "end" of a
+// chunk are meant along the scan; rows keep their order in memory.
 #ifndef FFP_CUDA_STATE_SCAN_H
 #define FFP_CUDA_STATE_SCAN_H
 

@@ -1,5 +1,5 @@
-// What blending and its gradient share: where a thread's pixel lies, and how a splat covers it. A block draws
-// a tile, each of its warps 8x4 pixels.
+// Common parts of blending and its gradient: where a thread's pixel lies, and how a splat covers it. A block
+// draws a tile, each of its warps 8x4 pixels.
 #ifndef FFP_CUDA_TILE_H
 #define FFP_CUDA_TILE_H
 

@@ -4,7 +4,7 @@
 #include <string.h>
 #include "engine/network/layout.h"
 
-// What the presets differ in; `paper` and `paper-small` have the paper's plain heads, without a start.
+// The presets' differences; `paper` and `paper-small` have the paper's plain heads, without a start.
 static const struct {
     const char *name, *modules;
     int dim;

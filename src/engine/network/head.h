@@ -44,8 +44,8 @@ void ffp_head_allocate(FfpHead *head, const FfpModelConfig *config, int rows, Ff
 void ffp_head_allocate_backward(FfpHead *head, const FfpModelConfig *config, int rows, FfpArena *arena);
 size_t ffp_head_features_count(const FfpModelConfig *config, int rows); // numbers in a map of features
 
-// Whether pixels have inputs about their context (inputs.h, context_inputs), and these inputs:
-// out [count, context channels]; near: the pixels' own start, far: the context's.
+// True if pixels have inputs about their context (inputs.h, context_inputs), and these inputs: out [count,
+// context channels]; near: the pixels' own start, far: the context's.
 bool ffp_head_has_context_inputs(const FfpModelConfig *config, const FfpGrid *grid,
                                  const FfpInitialisation *context);
 void ffp_head_context_inputs(real *out, const int64_t *pixels, int64_t count, const FfpGrid *grid,

@@ -1,5 +1,5 @@
-// What each splat learns from the pictures drawn with all splats: errors at its own pixel, around it and in
-// the other views that see it. One text for the CPU and the GPU.
+// A splat's inputs from the pictures drawn with all splats: errors at its own pixel, around it and in the
+// other views that see it. One text for the CPU and the GPU.
 #ifndef FFP_NETWORK_LOOK_FORMULA_H
 #define FFP_NETWORK_LOOK_FORMULA_H
 

@@ -113,7 +113,7 @@ typedef struct FfpRun {
     real *t;        // [gaussians.count] distance along the pixel's ray
     struct FfpActivations *activations;
 } FfpRun;
-// Backward: whether ffp_model_backward may follow a forward pass. Without it blocks share their memory.
+// `backward`: ffp_model_backward may follow a forward pass. Without it blocks share their memory.
 FfpRun *ffp_run_new(bool backward);
 void ffp_run_free(FfpRun *run);
 size_t ffp_run_memory(const FfpRun *run); // bytes, the most that its passes have taken

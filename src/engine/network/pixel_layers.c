@@ -33,7 +33,7 @@ static bool uses_context_inputs(const FfpHead *head, const FfpModelConfig *confi
                           : ffp_head_has_context_inputs(config, &head->grid, head->context);
 }
 
-// What tells the pixels of a block context_inputs from their context, [count, context channels].
+// The inputs that tell the pixels of a block from their context, [count, context channels].
 static const real *context_inputs_of(FfpHead *head, int64_t first, int count) {
     if (head->prepared) return head->prepared->context_inputs + FFP_CONTEXT_CHANNELS * first;
     ffp_head_context_inputs(head->context_inputs, head->pixel + first, count, &head->grid, head->source.start,

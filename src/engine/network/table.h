@@ -1,5 +1,5 @@
-// What the network's heads do on a device (core/base/device.h): loops over Gaussians and feature maps. All
-// arrays are the device's; the blocks before the heads are made of the tensor room's functions alone.
+// The work of the network's heads on a device (core/base/device.h): loops over Gaussians and feature maps.
+// All arrays are the device's; the blocks before the heads are made of the tensor room's functions alone.
 #ifndef FFP_NETWORK_TABLE_H
 #define FFP_NETWORK_TABLE_H
 

@@ -205,7 +205,7 @@ static double bytes_of(const Member *member) {
     return values * sizeof(real);
 }
 
-// Whether the captures that are still to be read will find room, if they are as large as those before.
+// Checks that the captures that are still to be read will find room, if they are as large as those before.
 static bool check_room(const FfpCaptureSet *set, int read, FfpError *err) {
     double bytes = 0;
     for (int i = 0; i < read; i++) bytes += bytes_of(&set->members[i]);

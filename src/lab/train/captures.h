@@ -33,7 +33,7 @@ bool ffp_captures_held_scene(FfpScene *scene, const FfpTrainConfig *config, cons
 // from at least, from any poses, those of the capture's views among them; patterns that one of them lacks are
 // left out. Errors name the room or its targets.
 FfpCaptureSet *ffp_rooms_open(const FfpTrainConfig *config, FfpError *err);
-// Whether scene `number` is a room: config->room_share of them are.
+// True if scene `number` is a room: config->room_share of them are.
 bool ffp_is_room(const FfpTrainConfig *config, int64_t number);
 // The room of scene `number`: in turn, in an order of the seed. Up to config->views of its views, at random
 // if it has more, are the input; the new poses are all its clean pictures, and alone supervised. It borrows

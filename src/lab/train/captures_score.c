@@ -12,7 +12,7 @@ typedef struct Scoring {
     int photographs;
 } Scoring;
 
-// Whether the picture could be predicted at all: it is not what the Gaussians were made from.
+// True if the picture could be predicted at all: it is not what the Gaussians were made from.
 static bool is_held_out(const FfpScene *scene, int view, int pattern) {
     const bool given =
         pattern == scene->capture.black || pattern == scene->capture.white || pattern == scene->active;

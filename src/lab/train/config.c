@@ -336,7 +336,7 @@ static bool check_mixture(const FfpTrainConfig *c, const char *where, FfpError *
     return true;
 }
 
-// What learning from captures requires.
+// Checks the requirements of learning from captures.
 static bool check_with_captures(const FfpTrainConfig *c, const char *where, FfpError *err) {
     if (c->validate_every == 0)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "validate_every").text,

@@ -1,4 +1,4 @@
-// What a training run tells: metrics as lines of JSON, and notes.
+// Reports of a training run: metrics as lines of JSON, and notes.
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>

@@ -24,7 +24,7 @@ static FfpSensor random_sensor(FfpRng *rng) {
                        .shift_error = ffp_rng_range(rng, 0, SHIFT_MAX)};
 }
 
-// What makes training scenes differ in kind, from a random stream of its own, so that the scenes are the same
+// Draws the kinds of training scenes from a random stream of their own, so that the scenes are the same
 // otherwise.
 static void mix(FfpSceneSpec *spec, const FfpTrainConfig *config, int64_t number) {
     FfpRng rng = ffp_rng((uint64_t)config->seed * 3 + 2, (uint64_t)number);
@@ -35,7 +35,7 @@ static void mix(FfpSceneSpec *spec, const FfpTrainConfig *config, int64_t number
                       (int)ffp_rng_below(&rng, (uint32_t)(config->views - config->views_least + 1));
 }
 
-// What of the stock scene `number` is made with: a material, patterns, both or nothing.
+// The part of the stock that scene `number` is made with: a material, patterns, both or nothing.
 static FfpStock pick_stock(const FfpStock *stock, const FfpTrainConfig *config, const char *split,
                            int64_t number) {
     FfpStock picked = {0};
@@ -82,7 +82,7 @@ static bool scene_spec(FfpSceneSpec *spec, const FfpTrainConfig *config, const c
     return true;
 }
 
-// What the network takes from a scene, made by whoever makes the scene and not by who waits for the device.
+// Prepares the network's inputs from a scene: the work of whoever makes it, not of who waits for the device.
 static bool prepare_numbers(FfpScene *scene, const FfpTrainConfig *config, FfpError *err) {
     scene->prepared =
         ffp_prepared_new(&config->model, &scene->inputs, &scene->start, &scene->context, scene->active, err);

@@ -40,8 +40,8 @@ bool ffp_shard_sum(const FfpShard *share, double *values, int count, FfpError *e
 // Every rank's part of the weights, of the device in use if there is one, to all.
 bool ffp_shard_gather_weights(FfpShard *share, real *values, FfpError *err);
 
-// The state of all weights, on rank 0: *whole, which the others have zeroed. Alone it is `adam` itself. What
-// is `average_only` lacks the moments.
+// The state of all weights, on rank 0: *whole, which the others have zeroed. Alone it is `adam` itself. With
+// `average_only` it lacks the moments.
 bool ffp_shard_gather_state(const FfpShard *share, const FfpAdam *adam, bool average_only, FfpAdam *whole,
                             FfpError *err);
 void ffp_shard_state_free(const FfpShard *share, FfpAdam *whole);

@@ -138,10 +138,10 @@ bool ffp_scene_folder_read(FfpCapture *capture, const FfpSceneFolder *folder, co
 bool ffp_scene_read(FfpScene *scene, const FfpTrainConfig *config, const FfpSceneFolder *folder,
                     int64_t number, FfpError *err);
 
-// The scenes of a run, draw by draw: step s makes the draws s * config->batch and on, a batch of them. What a
-// draw gets is a pure function of the configuration, the folder and the draw, whatever config->generators and
-// config->queue are, and however many ranks there are. Draw d is rank d % count's, and so is slot d % pool:
-// no scene is made by two of them (lab/train/shard.h).
+// The scenes of a run, draw by draw: step s makes the draws s * config->batch and on, a batch of them. A
+// draw's contents are a pure function of the configuration, the folder and the draw, whatever
+// config->generators and config->queue are, and however many ranks there are. Draw d is rank d % count's, and
+// so is slot d % pool: no scene is made by two of them (lab/train/shard.h).
 int ffp_scene_slot(const FfpTrainConfig *config, int64_t draw);       // of the pool
 int64_t ffp_scene_number(const FfpTrainConfig *config, int64_t draw); // a slot's scene changes in turn
 typedef struct FfpRank {                                              // one rank among so many

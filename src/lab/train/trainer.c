@@ -45,7 +45,7 @@ static bool is_due(int64_t done, int every) {
     return every > 0 && done % every == 0;
 }
 
-// What follows a step.
+// Saves and reports after a step.
 static bool report(Trainer *trainer, int64_t done, bool save_due, FfpError *err) {
     const FfpTrainConfig *config = &trainer->config;
     const bool last = done == config->steps;

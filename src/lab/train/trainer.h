@@ -87,7 +87,7 @@ bool ffp_held_out_open(Trainer *trainer, FfpError *err); // reads the captures
 bool ffp_held_out_score(Trainer *trainer, FfpAdam *whole, int64_t step, FfpError *err);
 // A resumed run has the weights of its best step so far, which are scored again.
 bool ffp_held_out_resume(Trainer *trainer, FfpError *err);
-// Whether scores have not improved for too long (config.patience).
+// True if scores have not improved for too long (config.patience).
 bool ffp_held_out_is_over(const Trainer *trainer);
 void ffp_held_out_tell(const Trainer *trainer); // of the first weights and the best ones
 

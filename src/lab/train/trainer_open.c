@@ -1,4 +1,4 @@
-// What a training run works with, from its options to the end.
+// The parts that a training run works with, from its options to the end.
 #include <stdio.h>
 #include <string.h>
 #include "core/base/call.h"
@@ -110,7 +110,7 @@ static bool open_metrics(Trainer *trainer, bool resume, FfpError *err) {
     return trainer->metrics != NULL;
 }
 
-// What steps need, where they are made.
+// Opens the device, and the memory that steps need on it.
 static void open_device(Trainer *trainer) {
     trainer->device = ffp_device_offered();
     ffp_device_use(trainer->device);

@@ -1,4 +1,4 @@
-// What a training run keeps: weights and checkpoints.
+// The files that a training run keeps: weights and checkpoints.
 #include <stdio.h>
 #include "core/base/alloc.h"
 #include "core/base/log.h"
@@ -17,7 +17,7 @@ void ffp_trainer_swap_ema(Trainer *trainer, FfpAdam *whole) {
     whole->ema = values;
 }
 
-// What the device has made of the weights. Afterwards the thread works on the CPU.
+// Fetches the weights from the device. Afterwards the thread works on the CPU.
 static void download_state(Trainer *trainer) {
     if (!trainer->mirror) return;
     ffp_device_use(trainer->device);

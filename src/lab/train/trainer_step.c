@@ -6,7 +6,7 @@
 #include "core/base/log.h"
 #include "lab/train/trainer.h"
 
-// What a rank has to say about a step, in double, added up over all of them.
+// A rank's figures for a step, in double, added up over all of them.
 enum {
     FAILED,  // ranks whose step failed,
     MISSING, // that lack a scene,
@@ -119,7 +119,7 @@ static bool is_save_due(const Trainer *trainer) {
            ffp_seconds() - trainer->saved > 60.0 * trainer->config.checkpoint_minutes;
 }
 
-// What this rank says of its draws. Where some are missing it was to stop.
+// This rank's figures for its draws. Where some are missing it was to stop.
 static void count(Trainer *trainer, double tally[TALLY], const FfpLosses *losses, bool made, bool missing) {
     tally[FAILED] = !made;
     tally[MISSING] = missing;

@@ -1,4 +1,4 @@
-// What splats learn from a look: nothing where the pictures are right, and the error where and as it is.
+// The splats' inputs from a look: nothing where the pictures are right, and the error where and as it is.
 #include "core/image/srgb_formula.h"
 #include "engine/network/look.h"
 #include "scene.h"
