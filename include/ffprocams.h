@@ -292,6 +292,9 @@ typedef enum FfpMap {
     FFP_MAP_ALBEDO,    // 3: linear
     FFP_MAP_ROUGHNESS, // 1
     FFP_MAP_AMBIENT,   // 3: linear radiance, premultiplied by opacity
+    // 1: sum_ij W_i W_j |z_i - z_j| of the weights and depths of the splats at the pixel, world units: how
+    // far apart they are along the ray (FF-ProCams, Eq. 22). For losses; not written to files.
+    FFP_MAP_DISTORTION,
     FFP_MAP_COUNT
 } FfpMap;
 FFP_API int ffp_map_channels(FfpMap map); // 1 or 3

@@ -24,6 +24,7 @@ _MAPS = {
     "albedo": lib.FFP_MAP_ALBEDO,
     "roughness": lib.FFP_MAP_ROUGHNESS,
     "ambient": lib.FFP_MAP_AMBIENT,
+    "distortion": lib.FFP_MAP_DISTORTION,
 }
 
 
@@ -152,7 +153,8 @@ class Renderer(Handle):
         """One G-buffer, averaged over each pixel: "opacity" [height,width] in [0,1]; "depth" [height,width] camera z in
         world units, 0 where the opacity is below one half; "normal" [height,width,3] world, unit length, 0 off the
         object; "albedo" [height,width,3] linear; "roughness" [height,width]; "ambient" [height,width,3] linear
-        radiance, premultiplied by opacity."""
+        radiance, premultiplied by opacity; "distortion" [height,width], how far apart the splats at a pixel are along its
+        ray: sum_ij W_i W_j |z_i - z_j| of their weights and depths, world units (FF-ProCams, Eq. 22)."""
         if name not in _MAPS:
             raise argument_error(f"'{name}' is not one of {', '.join(_MAPS)}", "map")
         with holding(self):

@@ -5,8 +5,8 @@ package does.
     from ffprocams import torch as layer
 
     splats = layer.Splats(ffprocams.reconstruct(capture, polish=0))
-    pictures = layer.render(splats(), [capture.camera(0)], [capture.projector(0)], [pattern], capture.intensity)
-    layer.photometric_loss(pictures[0, 0], target).backward()
+    pictures = layer.render(splats(), capture.camera(0), capture.projector(0), [pattern], capture.intensity)
+    layer.photometric_loss(pictures[0], target).backward()
 
 Tensors are float32 on the CPU. They are read where they are, and gradients are written where autograd finds them: nothing
 is copied unless a tensor is not contiguous. Other Python threads run meanwhile.
@@ -31,7 +31,7 @@ from .renderer import _MAPS
 from .torch_network import Network, Parts, Prepared
 
 __all__ = [
-    "Devices", "Network", "Parts", "Prepared", "SplatAdam", "Splats", "decode", "depth_loss", "encode", "l1_loss", "mask_loss", "normal_smooth_loss",
+    "Devices", "Network", "Parts", "Prepared", "SplatAdam", "Splats", "decode", "depth_loss", "distortion_loss", "encode", "l1_loss", "mask_loss", "normal_smooth_loss",
     "photometric_loss", "psnr", "render", "roughness_smooth_loss", "se3_exp", "ssim",
 ]  # fmt: skip
 
@@ -72,7 +72,7 @@ class Devices:
         )
 
 
-AnyDevices = Union[Devices, Sequence[Pinhole]]
+AnyDevices = Union[Devices, Sequence[Pinhole], Pinhole]
 
 
 def se3_exp(xi: Tensor) -> Tensor:
@@ -283,7 +283,7 @@ class _Render(torch.autograd.Function):
 
 
 def _devices_of(given: AnyDevices, name: str) -> Devices:
-    d = given if isinstance(given, Devices) else Devices.of(given)
+    d = given if isinstance(given, Devices) else Devices.of([given] if isinstance(given, Pinhole) else given)
     views = len(d.pose)
     if (
         tuple(d.pose.shape[1:]) != (4, 4)
@@ -311,7 +311,7 @@ def render(
 
     Args:
         gaussians: tensors, or ffprocams.Gaussians, which then are constants.
-        cameras: of one size, one for each view: pinholes, or Devices for gradients.
+        cameras: of one size, one for each view: pinholes, or Devices for gradients; or one pinhole without a list.
         projectors: likewise.
         patterns: each [height,width,3] of the projectors' size, float32, linear; None: a dark projector.
         intensity: [3] or one number, the projector's radiant intensity at pattern value 1.
@@ -320,7 +320,8 @@ def render(
         form, samples, threads: as for Renderer.
 
     Returns:
-        The pictures; with ``maps``: the pictures and a dict of maps [views,height,width(,3)].
+        The pictures; with ``maps``: the pictures and a dict of maps [views,height,width(,3)]. Of a camera without a list
+        they have no axis of views.
 
     Constants of the backward pass are shadows, the size of a pixel's footprint in the pattern, and which splats a pixel
     sees in which order. Tensors that are written to between the forward and the backward pass raise an error.
@@ -348,6 +349,8 @@ def render(
     lease = _Lease(form, samples, threads)
     job = _Job(seen, lit, [p is None for p in patterns], list(dict.fromkeys(maps)), linear, lease, gradients)
     drawn = _Render.apply(job, *given)  # type: ignore[no-untyped-call]
+    if isinstance(cameras, Pinhole):
+        drawn = [t[0] for t in drawn]
     return (drawn[0], dict(zip(job.maps, drawn[1:]))) if maps else drawn[0]
 
 
@@ -548,6 +551,12 @@ def depth_loss(depth: Tensor, truth: Tensor) -> Tensor:
     """Mean squared error of the depth map over pixels where both have a surface (0: none)."""
     both = (truth > 0) & (depth > 0)
     return (depth - truth)[both].square().mean() if bool(both.any()) else depth.sum() * 0
+
+
+def distortion_loss(distortion: Tensor) -> Tensor:
+    """Mean of the distortion map (FF-ProCams, Eq. 22), in the world's unit of length: it pulls the splats at a pixel
+    together along the ray."""
+    return distortion.mean()
 
 
 def _neighbours(values: Tensor, mask: Tensor) -> Iterator[tuple[Tensor, Tensor]]:

@@ -142,7 +142,7 @@ def test_gaussians_are_put_together_and_moved(capture: ffp.Capture, gaussians: f
 def test_maps_of_a_view(capture: ffp.Capture, gaussians: ffp.Gaussians) -> None:
     camera = capture.camera(0)
     maps = ffp.Renderer().aim(gaussians, camera, capture.projector(0)).maps()
-    assert set(maps) == {"opacity", "depth", "normal", "albedo", "roughness", "ambient"}
+    assert set(maps) == {"opacity", "depth", "normal", "albedo", "roughness", "ambient", "distortion"}
     there = maps["depth"] > 0
     distance = np.linalg.norm(camera.position - capture.centre)
     assert there.mean() > 0.1 and np.abs(maps["depth"][there] - distance).max() < 1.1 * capture.radius

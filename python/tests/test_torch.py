@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import threading
+from pathlib import Path
 from typing import Callable
 
 import ffprocams
@@ -50,7 +51,7 @@ def test_the_same_as_the_renderer(
     capture: ffprocams.Capture, gaussians: ffprocams.Gaussians, pattern: torch.Tensor
 ) -> None:
     camera, projector = capture.camera(1), capture.projector(1)
-    names = ["opacity", "depth", "normal", "albedo", "roughness", "ambient"]
+    names = ["opacity", "depth", "normal", "albedo", "roughness", "ambient", "distortion"]
     pictures, maps = layer.render(
         gaussians, [camera], [projector], [None, pattern], capture.intensity, maps=names
     )
@@ -185,6 +186,49 @@ def test_splats_are_fitted(capture, gaussians) -> None:  # type: ignore[no-untyp
         heard.append(float(layer.psnr(picture.detach(), target)))
     assert heard[-1] > heard[0] + 1
     assert len(splats.gaussians()) == len(gaussians)
+
+
+def test_the_printed_fit(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The example of the documents, as it stands: its loss falls."""
+    root = Path(__file__).resolve().parents[2]
+    (tmp_path / "data").symlink_to(root / "data")
+    monkeypatch.chdir(tmp_path)
+    text = (root / "docs" / "reference" / "python.md").read_text(encoding="utf-8")
+    example = text.split("```py\n", 1)[1].split("```", 1)[0]
+    assert "import torch" in example
+    exec(compile(example, "python.md", "exec"), {})  # noqa: S102
+    losses = [float(line.split()[1]) for line in capsys.readouterr().out.splitlines()]
+    assert len(losses) == 20 and losses[-1] < 0.8 * losses[0]
+    assert len(ffprocams.Gaussians.load("fitted.ply")) > 10000
+
+
+def test_a_camera_without_a_list(few, devices, pattern) -> None:  # type: ignore[no-untyped-def]
+    cameras, projectors = devices
+    listed, maps = layer.render(few, cameras[:1], projectors[:1], [None, pattern], 5.0, maps=["depth"])
+    alone, map_ = layer.render(few, cameras[0], projectors[0], [None, pattern], 5.0, maps=["depth"])
+    assert alone.shape == (2, SIDE, SIDE, 3) and torch.equal(alone, listed[0])
+    assert map_["depth"].shape == (SIDE, SIDE) and torch.equal(map_["depth"], maps["depth"][0])
+    with pytest.raises(ffprocams.ArgumentError, match="1 cameras but 2 projectors"):
+        layer.render(few, cameras[0], projectors, [pattern], 5.0)
+
+
+def test_distortion_of_splats_along_a_ray(few, devices) -> None:  # type: ignore[no-untyped-def]
+    """Two splats behind each other: 2 W_1 W_2 |z_1 - z_2| where both are full, and its gradient moves them together."""
+    camera, projector = devices[0][0], devices[1][0]
+    pose = torch.as_tensor(camera.pose, dtype=torch.float32)
+    far, apart, opacity = 3.0, 0.2, 0.5
+    centre = torch.stack([pose[:3, 3] + z * pose[:3, 2] for z in (far, far + apart)]).requires_grad_()
+    two = layer.Parts(*(t[:2].clone() for t in few))
+    two = two._replace(centre=centre, scale=torch.full((2, 3), 0.3), opacity=torch.full((2,), opacity))
+    _, maps = layer.render(two, camera, projector, [], 1.0, maps=["distortion"], form="paper", samples=1)
+    middle = maps["distortion"].detach()[SIDE // 2, SIDE // 2]
+    assert float(middle) == pytest.approx(2 * opacity * (1 - opacity) * opacity * apart, rel=0.05)
+    mean = layer.distortion_loss(maps["distortion"])
+    assert float(mean.detach()) == pytest.approx(float(maps["distortion"].sum().detach()) / SIDE**2, rel=1e-5)
+    mean.backward()
+    assert centre.grad is not None
+    along = centre.grad @ pose[:3, 2]
+    assert float(along[1]) > 0 > float(along[0])
 
 
 def test_losses_against_differences() -> None:

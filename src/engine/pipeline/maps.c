@@ -2,8 +2,8 @@
 #include <tgmath.h>
 
 const char *ffp_map_name(FfpMap map) {
-    static const char *const names[FFP_MAP_COUNT] = {"opacity", "depth",     "normal",
-                                                     "albedo",  "roughness", "ambient"};
+    static const char *const names[FFP_MAP_COUNT] = {"opacity",   "depth",   "normal",    "albedo",
+                                                     "roughness", "ambient", "distortion"};
     return names[map];
 }
 
@@ -73,7 +73,8 @@ int ffp_map_width(FfpMap map) {
     return map == FFP_MAP_NORMAL || map == FFP_MAP_ALBEDO || map == FFP_MAP_AMBIENT ? 3 : 1;
 }
 
-// Raw sums become means over what covers the pixel; opacity and ambient light are sums as they stand.
+// Raw sums become means over what covers the pixel; opacity, ambient light and distortion are sums as they
+// stand.
 static void put_values(float *out, const FfpGbuffer *g, FfpMap map, size_t i) {
     const float opacity = g->opacity[i], share = opacity > 1e-3F ? 1 / opacity : 0;
     const float *n = g->normal + 3 * i;
@@ -86,6 +87,7 @@ static void put_values(float *out, const FfpGbuffer *g, FfpMap map, size_t i) {
     if (map == FFP_MAP_OPACITY) out[i] = opacity;
     if (map == FFP_MAP_DEPTH) out[i] = opacity >= 0.5F ? g->depth[i] * share : 0;
     if (map == FFP_MAP_ROUGHNESS) out[i] = g->roughness[i] * share;
+    if (map == FFP_MAP_DISTORTION) out[i] = g->distortion[i];
 }
 
 void ffp_map_values(const FfpGbuffer *gbuffer, FfpMap map, float *out) {
@@ -110,6 +112,7 @@ static void values_backward(const FfpGbuffer *g, FfpMap map, size_t i, const flo
     const float opacity = g->opacity[i], share = opacity > 1e-3F ? 1 / opacity : 0;
     float *to_opacity = &to->opacity[i];
     if (map == FFP_MAP_OPACITY) *to_opacity += grad[i];
+    if (map == FFP_MAP_DISTORTION) to->distortion[i] += grad[i];
     if (map == FFP_MAP_DEPTH && opacity >= 0.5F)
         mean_backward(grad[i], g->depth[i], share, &to->depth[i], to_opacity);
     if (map == FFP_MAP_NORMAL) normal_backward(g->normal + 3 * i, grad + 3 * i, to->normal + 3 * i);

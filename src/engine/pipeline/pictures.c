@@ -40,7 +40,7 @@ static int by_name(const void *a, const void *b) {
 // like.
 static bool check_names(const FfpPictureJob *job, FfpError *err) {
     if (ffp_is_sequence(job->options)) return true;
-    const int each = job->n_patterns + (job->options->maps ? FFP_MAP_COUNT + 1 : 0);
+    const int each = job->n_patterns + (job->options->maps ? FFP_MAP_PICTURES + 1 : 0);
     FileName *names = ffp_alloc((size_t)job->n_views * (size_t)each, sizeof *names), *next = names;
     bool ok = true;
     for (int v = 0; ok && v < job->n_views; v++) {
@@ -48,7 +48,7 @@ static bool check_names(const FfpPictureJob *job, FfpError *err) {
         for (int p = 0; ok && p < job->n_patterns; p++)
             ok = name_file(next++, job, view, job->patterns[p].name, ".png", err);
         if (!job->options->maps) continue;
-        for (int m = 0; ok && m < FFP_MAP_COUNT; m++)
+        for (int m = 0; ok && m < FFP_MAP_PICTURES; m++)
             ok = name_file(next++, job, view, ffp_map_name((FfpMap)m), ".png", err);
         ok = ok && name_file(next++, job, view, "depth", ".exr", err);
     }
@@ -90,7 +90,7 @@ static bool write_maps(Writer *writer, const FfpView *view, FfpError *err) {
     FfpImage depth = ffp_map_depth(gbuffer);
     bool ok = write_picture(writer, view, &depth, "depth.exr", err);
     ffp_image_free(&depth);
-    for (int m = 0; ok && m < FFP_MAP_COUNT; m++) {
+    for (int m = 0; ok && m < FFP_MAP_PICTURES; m++) {
         char rest[32];
         snprintf(rest, sizeof rest, "%s.png", ffp_map_name((FfpMap)m));
         FfpImage picture = ffp_map_picture(gbuffer, (FfpMap)m);

@@ -119,7 +119,7 @@ void ffp_report_stats(FfpReport *report, const FfpReconstructionStats *stats) {
 
 void ffp_report_maps(FfpReport *report, const char *view, const FfpGbuffer *gbuffer) {
     fputs("<div class=row>", report->body);
-    for (int m = 0; m < FFP_MAP_COUNT; m++) {
+    for (int m = 0; m < FFP_MAP_PICTURES; m++) {
         char caption[FFP_NAME_MAX + 32];
         snprintf(caption, sizeof caption, "%s, %s", view, ffp_map_name((FfpMap)m));
         FfpImage picture = ffp_map_picture(gbuffer, (FfpMap)m);

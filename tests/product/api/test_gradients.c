@@ -233,6 +233,34 @@ static void test_encoded_gradients(void **state) {
     check_form(false);
 }
 
+// Two splats behind each other in a camera's middle, where both have their full opacity a: their weights are
+// a and (1 - a) a, and the distortion 2 a^2 (1 - a) |z_2 - z_1| (FF-ProCams, Eq. 22).
+static void test_distortion(void **state) {
+    (void)state;
+    enum { SIDE = 33, MIDDLE = SIDE * SIDE / 2 };
+    const float a = 0.5F, apart = 0.2F;
+    float centre[6] = {0, 0, 3, 0, 0, 3 + apart}, scale[6] = {0.3F, 0.3F, 0.3F, 0.3F, 0.3F, 0.3F},
+          rotation[8] = {1, 0, 0, 0, 1, 0, 0, 0}, opacity[2] = {a, a}, even[6] = {0.5F, 0.5F, 0.5F},
+          map[SIDE * SIDE], grad[SIDE * SIDE] = {[MIDDLE] = 1}, moved[6];
+    float *maps[FFP_MAP_COUNT] = {[FFP_MAP_DISTORTION] = map};
+    const float *grads[FFP_MAP_COUNT] = {[FFP_MAP_DISTORTION] = grad};
+    const FfpPinhole camera = {
+        SIDE, SIDE, SIDE, SIDE, SIDE / 2.0, SIDE / 2.0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    const FfpRenderBatch batch = {.gaussians = {2, centre, scale, rotation, opacity, even, opacity, even},
+                                  .n_views = 1,
+                                  .cameras = &camera,
+                                  .projectors = &camera,
+                                  .gradients = true};
+    const FfpRenderGradients out = {.gaussians = {.centre = moved}};
+    FfpRenderer *renderer = ffp_renderer_new(NULL, (FfpDrawing){.form = FFP_FORM_PAPER, .samples = 1}, &err);
+    require(ffp_renderer_forward(NULL, renderer, &batch, NULL, maps, &err));
+    assert_float_equal(map[MIDDLE], 2 * a * a * (1 - a) * apart, 1e-5);
+    require(ffp_renderer_backward(NULL, renderer, NULL, grads, &out, &err));
+    assert_float_equal(moved[2], -2 * a * a * (1 - a), 1e-4);
+    assert_float_equal(moved[5], 2 * a * a * (1 - a), 1e-4);
+    ffp_renderer_close(renderer);
+}
+
 // Of every view alone, and of all together: the same, added up.
 static void test_views_add_up(void **state) {
     (void)state;
@@ -332,9 +360,13 @@ static void test_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_as_one_by_one),         cmocka_unit_test(test_views_add_up),
-        cmocka_unit_test(test_any_number_of_threads), cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_linear_gradients),      cmocka_unit_test(test_encoded_gradients),
+        cmocka_unit_test(test_as_one_by_one),
+        cmocka_unit_test(test_views_add_up),
+        cmocka_unit_test(test_any_number_of_threads),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_linear_gradients),
+        cmocka_unit_test(test_encoded_gradients),
+        cmocka_unit_test(test_distortion),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }
