@@ -27,7 +27,7 @@ install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT ru
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)
 
-# Libraries for linking the archive: modules of pkg-config (Requires.private) and plain libraries (Libs.private).
+# Libraries for linking the archive: modules of pkg-config and plain libraries.
 set(FFP_REQUIRES "")
 set(FFP_FIND "")
 foreach(entry ${FFP_PACKAGES})
@@ -52,8 +52,12 @@ set(pc_folder ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig)
 file(RELATIVE_PATH pc_to_prefix ${pc_folder} ${CMAKE_INSTALL_PREFIX})
 file(RELATIVE_PATH pc_to_headers ${pc_folder} ${CMAKE_INSTALL_FULL_INCLUDEDIR})
 string(REGEX REPLACE "/$" "" pc_to_prefix "${pc_to_prefix}")
-configure_file(cmake/ffprocams.pc.in ffprocams.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/ffprocams.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
+function(write_pc pc_name pc_kind pc_libs pc_requires)
+  configure_file(cmake/ffprocams.pc.in ${pc_name}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${pc_name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
+endfunction()
+write_pc(ffprocams "" "-lffprocams" "") # asks for nothing else: pkg-config wants the .pc files of Requires.private even for --cflags
+write_pc(ffprocams-static " (static)" "-l:libffprocams.a${FFP_LIBS}" "\nRequires:${FFP_REQUIRES}")
 
 configure_package_config_file(cmake/ffprocams-config.cmake.in ffprocams-config.cmake
                               INSTALL_DESTINATION ${package_folder} NO_SET_AND_CHECK_MACRO)
