@@ -78,7 +78,7 @@ class Compensator {
     const context = this.canvas.getContext('2d');
     context.fillStyle = '#000'; // what is transparent, as around text and logos, is to stay dark
     context.fillRect(0, 0, width, height);
-    projector.content.draw(context, width, height, projector.fit);
+    projector.draw(context, width, height);
     this.target.set(this.canvas);
   }
 

@@ -1,6 +1,6 @@
 'use strict';
-// Contents for a projector: pictures, films, the webcam, text, test patterns. Each has `draw(context, width,
-// height, fit)`, which fills an empty canvas, and `live` if it changes over time.
+// Contents for a projector: pictures, films, the webcam, screens, text, test patterns. Each has a `size`, [width, height] or
+// null for any, `paint(context, width, height)`, which fills a box at the origin, and `live` if it changes over time.
 
 const PICTURE_SIDE_MAX = 16384, PICTURE_PIXELS_MAX = 100e6;
 
@@ -65,46 +65,63 @@ function checkSize(name, size) {
                       `accepts (100 million, ${PICTURE_SIDE_MAX} per side).`);
 }
 
-// The rectangle of a canvas in which a picture of a given size is drawn.
-function placeOf(width, height, canvasWidth, canvasHeight, fit) {
-  if (fit === 'stretch') return [0, 0, canvasWidth, canvasHeight];
-  const pick = fit === 'cover' ? Math.max : Math.min;
-  const s = pick(canvasWidth / width, canvasHeight / height), w = width * s, h = height * s;
-  return [(canvasWidth - w) / 2, (canvasHeight - h) / 2, w, h];
-}
-
 class PictureContent {
   constructor(name, bitmap) { this.name = name, this.bitmap = bitmap; }
-  draw(context, width, height, fit) {
+  get size() { return [this.bitmap.width, this.bitmap.height]; }
+  paint(context, width, height) {
+    const {a, b, e, f} = context.getTransform(), exact = a === 1 && b === 0 && e % 1 === 0 && f % 1 === 0;
     context.imageSmoothingQuality = 'high';
-    context.imageSmoothingEnabled = this.bitmap.width !== width || this.bitmap.height !== height;
-    context.drawImage(this.bitmap, ...placeOf(this.bitmap.width, this.bitmap.height, width, height, fit));
+    context.imageSmoothingEnabled = !exact || this.bitmap.width !== width || this.bitmap.height !== height;
+    context.drawImage(this.bitmap, 0, 0, width, height);
   }
   free() { if (!this.shared) this.bitmap.close(); }
 }
 
-// A film, or a stream of the webcam.
+// Browsers do not let a page sound before it is touched: a film that may not begins mute and is heard from then on.
+function playVideo(video) {
+  video.play().catch((error) => {
+    if (error.name !== 'NotAllowedError' || video.muted) return;
+    video.muted = true;
+    video.play().catch(() => {});
+    addEventListener('pointerdown', () => { video.muted = false; }, {once: true});
+  });
+}
+
+// A film.
 class VideoContent {
   constructor(name, video, release) { this.name = name, this.video = video, this.release = release; }
   get live() { return !this.video.paused && !this.video.ended; }
-  draw(context, width, height, fit) {
-    const {video} = this;
-    if (video.videoWidth) context.drawImage(video, ...placeOf(video.videoWidth, video.videoHeight, width, height, fit));
-  }
+  get size() { return [this.video.videoWidth || 16, this.video.videoHeight || 9]; }
+  paint(context, width, height) { if (this.video.videoWidth) context.drawImage(this.video, 0, 0, width, height); }
   free() { if (this.shared) this.video.pause(); else this.release(); } // shared: it is the library's
-  toggle() { if (this.video.paused) this.video.play().catch(() => {}); else this.video.pause(); }
+  toggle() { if (this.video.paused) playVideo(this.video); else this.video.pause(); }
+
+  // Plays the part of the film that its layer asks for, as loud as it asks.
+  follow({volume, from, to}, sound) {
+    const {video} = this, end = to > from ? to : Infinity;
+    video.volume = clamp(volume * sound, 0, 1);
+    if (!video.seeking && (video.currentTime >= end || video.currentTime < from - 0.05)) video.currentTime = from;
+  }
 }
 
+const FONTS = ['system-ui', 'sans-serif', 'serif', 'monospace', 'cursive'], FONT_NAME = /^[\p{L}\p{N} ._-]{1,80}$/u, LINE = 1.15, TEXT_MAX = 2000;
+
 class TextContent {
-  constructor(text, colour) { this.name = 'Text', this.text = text, this.colour = colour; }
-  draw(context, width, height) {
-    const lines = (this.text || ' ').split('\n');
+  constructor(text, colour, font = FONTS[0]) {
+    this.name = 'Text', this.text = text, this.colour = colour, this.font = font;
+    this.lines = (text || ' ').split('\n');
+    const context = scratch('measure', 1, 1);
+    context.font = TextContent.style(100, font);
+    const widest = Math.max(1, ...this.lines.map((line) => context.measureText(line).width));
+    this.size = [widest / 0.9, 100 * LINE * this.lines.length / 0.9];
+  }
+  static style(pixels, font) { return `700 ${pixels}px ${FONTS.includes(font) ? font : `"${font}"`}, system-ui, sans-serif`; }
+  paint(context, width, height) {
+    const s = 100 * height / this.size[1], {lines} = this;
+    context.scale(width / this.size[0] * this.size[1] / height, 1);
     context.textAlign = 'center', context.textBaseline = 'middle', context.fillStyle = this.colour;
-    context.font = '700 100px system-ui, sans-serif';
-    const widest = Math.max(...lines.map((line) => context.measureText(line).width), 1);
-    const size = Math.min(90 * width / widest, 0.8 * height / lines.length / 1.15);
-    context.font = `700 ${size}px system-ui, sans-serif`;
-    lines.forEach((line, i) => context.fillText(line, width / 2, height / 2 + (i - (lines.length - 1) / 2) * 1.15 * size));
+    context.font = TextContent.style(s, this.font);
+    lines.forEach((line, i) => context.fillText(line, s * this.size[0] / 200, height / 2 + (i - (lines.length - 1) / 2) * LINE * s));
   }
   free() {}
 }
@@ -172,14 +189,14 @@ const TEST_PATTERNS = {
 };
 
 class TestContent {
-  constructor(name) { this.name = name; }
-  draw(context, width, height) { TEST_PATTERNS[this.name](context, width, height); }
+  constructor(name) { this.name = name, this.size = null; }
+  paint(context, width, height) { TEST_PATTERNS[this.name](context, width, height); }
   free() {}
 }
 
 class SolidContent {
-  constructor(colour) { this.name = 'Colour', this.colour = colour; }
-  draw(context, width, height) {
+  constructor(colour) { this.name = 'Colour', this.colour = colour, this.size = null; }
+  paint(context, width, height) {
     context.fillStyle = this.colour;
     context.fillRect(0, 0, width, height);
   }
@@ -187,10 +204,10 @@ class SolidContent {
 }
 
 function startVideo(video, name) {
-  video.muted = true, video.loop = true, video.playsInline = true;
+  video.loop = true, video.playsInline = true;
   return new Promise((resolve, reject) => {
     const late = setTimeout(() => reject(new Message(`${name} does not start.`)), 20000);
-    video.onloadeddata = () => { clearTimeout(late); video.play().catch(() => {}); resolve(video); };
+    video.onloadeddata = () => { clearTimeout(late); playVideo(video); resolve(video); };
     video.onerror = () => { clearTimeout(late); reject(new Message(`This browser cannot play ${name}.`)); };
   });
 }
@@ -199,9 +216,10 @@ function startVideo(video, name) {
 class AnimationContent {
   constructor(name, frames, ends) { this.name = name, this.frames = frames, this.ends = ends, this.begun = performance.now(); }
   get live() { return this.stopped === undefined; }
-  draw(context, width, height, fit) {
+  get size() { return [this.frames[0].width, this.frames[0].height]; }
+  paint(context, width, height) {
     const at = (this.live ? performance.now() - this.begun : this.stopped) % this.ends.at(-1), frame = this.frames[this.ends.findIndex((end) => at < end)];
-    context.drawImage(frame, ...placeOf(frame.width, frame.height, width, height, fit));
+    context.drawImage(frame, 0, 0, width, height);
   }
   free() { if (!this.shared) this.frames.forEach((frame) => frame.close()); }
   toggle() {
@@ -297,23 +315,29 @@ async function contentOfFile(file) {
   return contentOfFilm(file, name).catch(() => { throw new Message(`${name} is neither a picture nor a film that this browser reads.`); });
 }
 
-async function contentOfWebcam() {
-  if (!navigator.mediaDevices || !navigator.mediaDevices.getUserMedia)
-    throw new Message('This browser does not let a page opened from disk use a camera.');
-  let stream = null;
-  try {
-    stream = await navigator.mediaDevices.getUserMedia({video: {width: {ideal: 1280}}, audio: false});
-  } catch (error) {
-    throw new Message(`The camera cannot be used: ${error.message || error.name}.`);
+// The webcam, or a screen, window or tab. Browsers give them only to a hand that asks: a stage that comes back has it dark
+// until its tile is pressed.
+class StreamContent extends VideoContent {
+  constructor(kind) {
+    super(kind === 'camera' ? 'Camera' : 'Screen', document.createElement('video'), () => {});
+    this.kind = kind, this.video.muted = true;
   }
-  const video = document.createElement('video');
-  const stop = () => stream.getTracks().forEach((track) => track.stop());
-  video.srcObject = stream;
-  try {
-    await startVideo(video, 'The camera');
-  } catch (error) {
-    stop();
-    throw error;
+
+  follow() {}
+
+  get running() { return !!this.video.srcObject && this.video.srcObject.active; }
+
+  async start() {
+    const {mediaDevices} = navigator, ask = this.kind === 'camera' ? 'getUserMedia' : 'getDisplayMedia';
+    if (!mediaDevices || !mediaDevices[ask]) throw new Message(`This browser does not give a page opened from disk a ${this.kind}.`);
+    const stream = await mediaDevices[ask]({video: this.kind === 'camera' ? {width: {ideal: 1280}} : true, audio: false}).catch((error) => {
+      throw new Message(`The ${this.kind} cannot be used: ${error.message || error.name}.`);
+    });
+    this.video.srcObject = stream;
+    for (const track of stream.getTracks()) track.onended = () => say(`${this.name} has ended; press its tile to start it again.`);
+    await startVideo(this.video, this.name).catch((error) => {
+      stream.getTracks().forEach((track) => track.stop());
+      throw error;
+    });
   }
-  return new VideoContent('Camera', video, stop);
 }

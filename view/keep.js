@@ -1,20 +1,33 @@
 'use strict';
-// A person's work as plain data: projectors, what they show, paint, cues and the view. From it come undo,
+// A person's work as plain data: projectors, their layers, paint, cues and the view. From it come undo,
 // the stage's file, and what the browser keeps.
 
-const STAGE_FORMAT = 'ffprocams stage', PROJECTORS_MAX = 16, CUES_MAX = 200, KEEP_AFTER = 1500; // ms
+const STAGE_FORMAT = 'ffprocams stage', PROJECTORS_MAX = 16, CUES_MAX = 200, CORRECTIONS = ['none', 'paint', 'colours'], KEEP_AFTER = 1500; // ms
 
-// Pictures and films that were brought in: each keeps its tile, and its file.
+// Pictures and films that were brought in, the webcam and screens: each keeps its tile, and its file.
 class Library {
   constructor(app) {
     this.app = app;
-    this.entries = []; // {id, name, blob, content}
+    this.entries = []; // {id, name, content, blob (a file's) or live ('camera', 'screen')}
   }
 
   // The content of a file, which belongs to the library from now on.
   async take(file, id = null) {
     const content = await contentOfFile(file);
-    const entry = {id: id || this.freeId(), name: content.name, blob: file, content};
+    return this.add({id, name: content.name, blob: file, content});
+  }
+
+  // A stream that waits for start(); there is one camera.
+  stream(live, id = null) {
+    const camera = live === 'camera' && this.entries.find((entry) => entry.live === live);
+    if (camera) return camera.content;
+    const content = new StreamContent(live);
+    return this.add({id, name: content.name, live, content});
+  }
+
+  add(entry) {
+    const {content} = entry;
+    entry.id = entry.id || this.freeId();
     content.shared = true, content.file = entry.id;
     this.entries.push(entry);
     this.app.changed('library');
@@ -30,20 +43,19 @@ class Library {
   find(id) { return this.entries.find((entry) => entry.id === id); }
 }
 
-// The data that a content can be made from again; null: it cannot (the webcam).
+// The data that a content can be made from again.
 function describeContent(app, content) {
-  if (content instanceof FadeContent) return describeContent(app, content.to);
   if (content instanceof TestContent) return {test: content.name};
-  if (content instanceof TextContent) return {text: content.text, colour: content.colour};
+  if (content instanceof TextContent) return {text: content.text, colour: content.colour, font: content.font};
   if (content instanceof SolidContent) return {colour: content.colour};
   if (content.pattern !== undefined) return {pattern: app.scene.patterns[content.pattern].name};
-  return content.file !== undefined ? {file: content.file} : null;
+  return {file: content.file};
 }
 
 async function contentOf(app, described) {
-  const {test, text, colour, pattern, file} = described || {};
+  const {test, text, colour, font, pattern, file} = described || {};
   if (test !== undefined && Object.hasOwn(TEST_PATTERNS, test)) return new TestContent(test);
-  if (text !== undefined) return new TextContent(String(text).slice(0, 200), checkColour(colour));
+  if (text !== undefined) return new TextContent(String(text).slice(0, TEXT_MAX), checkColour(colour), FONT_NAME.test(font) ? font : FONTS[0]);
   if (colour !== undefined) return new SolidContent(checkColour(colour));
   if (file !== undefined && app.library.find(file)) return app.library.find(file).content;
   const index = app.scene.patterns.findIndex((p) => p.name === pattern);
@@ -51,6 +63,14 @@ async function contentOf(app, described) {
 }
 
 const checkColour = (colour) => /^#[0-9a-f]{6}$/i.test(colour) ? colour : '#ffffff';
+
+const describeLayers = (app, layers) => layers.map(({source, fit, place, film}) => ({source: describeContent(app, source), fit, place: structuredClone(place), film: {...film}}));
+
+// Layers as they were described; sources that `present` layers have are theirs.
+function layersOf(app, described, present = []) {
+  const same = (source) => present.find((layer) => JSON.stringify(describeContent(app, layer.source)) === JSON.stringify(source));
+  return Promise.all(described.map(async (layer) => new Layer(same(layer.source) ? same(layer.source).source : await contentOf(app, layer.source), layer)));
+}
 
 // --- The state. ---
 
@@ -67,24 +87,24 @@ function paintOf(projector) {
 
 function stateOf(app) {
   const projectors = app.projectors.map((p) => ({
-    device: p.device, on: p.on, stops: p.stops, fit: p.fit, correction: p.correction, watcher: p.watcher, gain: p.gain,
-    content: describeContent(app, p.content), paint: paintOf(p),
+    device: p.device, on: p.on, stops: p.stops, correction: p.correction, watcher: p.watcher, gain: p.gain,
+    layers: describeLayers(app, p.layers), at: p.at, paint: paintOf(p),
   }));
   return {
     projectors, selected: app.projectors.indexOf(app.projector), exposure: app.exposure, ambient: app.ambient,
-    cues: app.show.cues.map((cue) => ({...cue})), view: app.scene.views.indexOf(app.at), pose: app.pose, target: app.target,
+    cues: structuredClone(app.show.cues), view: app.scene.views.indexOf(app.at), pose: app.pose, target: app.target,
   };
 }
 
-// Two states are the same to undo if they differ in the view and the selection only.
+// Two states are the same to undo if they differ in the view and in what is selected only.
 function sameWork(a, b) {
-  const work = (s) => JSON.stringify([s.projectors.map((p) => ({...p, paint: null})), s.exposure, s.ambient, s.cues]);
+  const work = (s) => JSON.stringify([s.projectors.map((p) => ({...p, paint: null, at: 0})), s.exposure, s.ambient, s.cues]);
   return work(a) === work(b) && a.projectors.every((p, i) => p.paint === b.projectors[i].paint);
 }
 
 // Makes the page show a state; of undo and redo the view stays.
 async function applyState(app, state, withView) {
-  const contents = await Promise.all(state.projectors.map((p) => contentOf(app, p.content)));
+  const layers = await Promise.all(state.projectors.map((p, i) => layersOf(app, p.layers, app.projectors[i] && app.projectors[i].layers)));
   app.endComparison();
   while (app.projectors.length < state.projectors.length) app.addProjector();
   while (app.projectors.length > state.projectors.length) {
@@ -93,10 +113,9 @@ async function applyState(app, state, withView) {
   }
   state.projectors.forEach((kept, i) => {
     const p = app.projectors[i];
-    const {on, stops, fit, correction, watcher, gain} = kept;
-    Object.assign(p, {on, stops, fit, correction, watcher, gain, device: {...kept.device}});
-    if (JSON.stringify(describeContent(app, p.content)) !== JSON.stringify(kept.content)) app.setContent(contents[i], p);
-    else if (contents[i] !== p.content) contents[i].free();
+    const {on, stops, correction, watcher, gain} = kept;
+    app.setLayers(layers[i], p);
+    Object.assign(p, {on, stops, correction, watcher, gain, device: {...kept.device}, at: clamp(kept.at, 0, layers[i].length - 1)});
     if (paintOf(p) !== kept.paint) {
       p.clearPaint();
       if (kept.paint) {
@@ -107,7 +126,8 @@ async function applyState(app, state, withView) {
     p.dirty = true;
   });
   app.exposure = state.exposure, app.ambient = state.ambient;
-  app.show.cues = state.cues.map((cue) => ({...cue}));
+  app.show.cues = structuredClone(state.cues);
+  app.show.at = Math.min(app.show.at, app.show.cues.length - 1);
   app.select(app.projectors[clamp(state.selected, 0, app.projectors.length - 1)]);
   if (withView && app.scene.views[state.view]) {
     app.jump(app.scene.views[state.view], false);
@@ -126,6 +146,12 @@ const makeHistory = (app) => new Undo({
   take: () => stateOf(app), same: sameWork, put: (state) => applyState(app, state, false),
   ready: () => !app.show.playing && !app.photograph, told: () => app.changed('history'),
 });
+
+// Undo (-1) or redo; a show does not go on behind it.
+function unwind(app, step) {
+  app.show.stop();
+  return app.history.go(step);
+}
 
 // Gestures are those of pointers, keys, controls and the wheel; each ends after what it does has been done.
 function followGestures(history) {
@@ -164,8 +190,8 @@ function plainState(state) {
 
 async function stageText(app) {
   const files = [];
-  for (const {id, name, blob} of app.library.entries)
-    files.push({id, name, type: blob.type, data: bytesToText(new Uint8Array(await blob.arrayBuffer()))});
+  for (const {id, name, blob, live} of app.library.entries)
+    files.push(live ? {id, name, live} : {id, name, type: blob.type, data: bytesToText(new Uint8Array(await blob.arrayBuffer()))});
   return JSON.stringify({format: STAGE_FORMAT, object: app.scene.name, ...plainState(stateOf(app)), files});
 }
 
@@ -202,15 +228,42 @@ async function checkPaint(paint, size) {
   return canvas;
 }
 
+const pairs = (field, value, most) => list(field, value, most).map((pair) => list(field, pair, 2).map((x) => number(field, x, -1e3, 1e3)));
+
+function checkPlace(p) {
+  const amount = (name, low, high) => number(`layers: ${name}`, p[name], low, high);
+  const place = {
+    x: amount('x', -SHIFT_MAX, SHIFT_MAX), y: amount('y', -SHIFT_MAX, SHIFT_MAX), width: amount('width', ...FACTOR), height: amount('height', ...FACTOR),
+    turn: amount('turn', -360, 360), pull: pairs('layers: pull', p.pull, 4), crop: list('layers: crop', p.crop, 4).map((x) => number('layers: crop', x, 0, 1)),
+    mask: p.mask ? pairs('layers: mask', p.mask, MASK_MAX) : null, opacity: amount('opacity', 0, 1),
+  };
+  if (place.pull.length !== 4 || place.pull.some((pair) => pair.length !== 2) || place.crop.length !== 4) throw new Message("The stage's layers: pull or crop has not four corners or sides.");
+  if (!isConvex(cornersOf(layerFrame(place, null, 'contain', 1, 1)))) throw new Message("The stage's layers: pull folds a layer.");
+  return place;
+}
+
+// Layers of a projector or a cue; stages once had one content in their place.
+function checkLayers({layers, content, fit = 'contain'}) {
+  const checked = list('layers', layers || [{source: content, fit}], LAYERS_MAX).map((layer) => {
+    const film = {...newFilm(), ...layer.film};
+    return {
+      source: layer.source || null, fit: oneOf('layers: fit', layer.fit, ['contain', 'cover', 'stretch']), place: checkPlace({...newPlace(), ...layer.place}),
+      film: {volume: number('layers: volume', film.volume, 0, 1), from: number('layers: from', film.from, 0, 1e6), to: number('layers: to', film.to, 0, 1e6)},
+    };
+  });
+  if (!checked.length) throw new Message("The stage's layers are none.");
+  return checked;
+}
+
 // A state from a file or from the browser's store.
 async function checkState(app, plain) {
   const size = app.projectors[0].device, projectors = [];
   for (const p of list('projectors', plain.projectors, PROJECTORS_MAX))
     projectors.push({
       device: checkDevice(p.device, size), on: p.on !== false, stops: number('projectors: stops', p.stops, -20, 20),
-      gain: number('projectors: gain', p.gain, -20, 20), fit: oneOf('projectors: fit', p.fit, ['contain', 'cover', 'stretch']),
-      correction: oneOf('projectors: correction', p.correction, ['none', 'paint', 'colours']),
-      watcher: app.scene.views[p.watcher] ? p.watcher : 'now', content: p.content || null, paint: await checkPaint(p.paint, app.projectors[0].paint),
+      gain: number('projectors: gain', p.gain, -20, 20), layers: checkLayers(p), at: number('projectors: at', p.at || 0, 0, LAYERS_MAX),
+      correction: oneOf('projectors: correction', p.correction, CORRECTIONS),
+      watcher: app.scene.views[p.watcher] ? p.watcher : 'now', paint: await checkPaint(p.paint, app.projectors[0].paint),
     });
   if (!projectors.length) throw new Message('The stage has no projectors.');
   return {
@@ -231,8 +284,12 @@ async function loadStage(app, text) {
   }
   if (!plain || plain.format !== STAGE_FORMAT) throw new Message('This file is not a stage that this page saved.');
   const state = await checkState(app, plain);
-  for (const {id, name, type, data} of list('files', plain.files || [], 200)) {
+  for (const {id, name, type, data, live} of list('files', plain.files || [], 200)) {
     if (app.library.find(String(id))) continue;
+    if (live) {
+      app.library.stream(oneOf('files: live', live, ['camera', 'screen']), String(id));
+      continue;
+    }
     await app.library.take(new File([readBytes(String(data))], String(name), {type: String(type)}), String(id));
   }
   await applyState(app, state, true);
@@ -302,7 +359,7 @@ class Store {
   }
 
   async keep() {
-    const {app} = this, files = app.library.entries.map(({id, name, blob}) => ({id, name, blob}));
+    const {app} = this, files = app.library.entries.map(({id, name, blob, live}) => ({id, name, blob, live}));
     const kept = {text: JSON.stringify(plainState(stateOf(app))), files};
     await this.transact('readwrite', (store) => store.put(kept, this.key)).then(() => { app.kept = (app.kept || 0) + 1; }, () => {});
   }
@@ -312,7 +369,9 @@ class Store {
     const kept = await this.transact('readonly', (store) => store.get(this.key)).catch(() => null);
     if (!kept) return false;
     const state = await checkState(this.app, JSON.parse(kept.text));
-    for (const {id, name, blob} of kept.files) await this.app.library.take(new File([blob], name, {type: blob.type}), id).catch(() => null);
+    for (const {id, name, blob, live} of kept.files)
+      if (live) this.app.library.stream(live, id);
+      else await this.app.library.take(new File([blob], name, {type: blob.type}), id).catch(() => null);
     await applyState(this.app, state, true);
     return true;
   }

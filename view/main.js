@@ -6,6 +6,7 @@
 const QUALITIES = [{scale: 1, coarse: false}, {scale: 1, coarse: true}, {scale: 0.6, coarse: true}, {scale: 0.35, coarse: true}];
 const SLOW = 55, FAST = 18; // milliseconds a frame
 const FILLED = 0.88;       // share of the free part that the view's frame takes
+const OBJECT_SHARE = 0.42; // of the free height, while layers are placed in the projector's picture below
 
 // The settings for comparison with a photograph: without anything that the camera did not see.
 const NEUTRAL = {exposure: 0, ambient: true, map: null}, NEUTRAL_PROJECTOR = {stops: 0, correction: 'none', painted: false};
@@ -97,6 +98,12 @@ class App {
 
   // The part of the window that the panel leaves free, CSS pixels.
   freeSize() {
+    const [width, height] = this.windowSize();
+    return [width, this.mode === 'place' ? height * OBJECT_SHARE : height]; // the projector's picture has the rest
+  }
+
+  // The part that the panel leaves free, with what lies flat in it.
+  windowSize() {
     const panel = document.getElementById('panel'), shown = document.body.classList.contains('with-panel');
     if (!shown) return [innerWidth, innerHeight];
     // its final place: offsets ignore the transform that slides it in
@@ -132,7 +139,9 @@ class App {
     if (this.projectors.length < 2) return;
     const at = this.projectors.indexOf(this.projector);
     this.endComparison(this.projector);
-    this.projectors.splice(at, 1)[0].free();
+    const [removed] = this.projectors.splice(at, 1);
+    this.release(removed.sources);
+    removed.free();
     this.select(this.projectors[Math.min(at, this.projectors.length - 1)]);
     this.patternsChanged = true; // the projector window may have shown it
     this.invalidate();
@@ -168,32 +177,45 @@ class App {
     this.changed('device');
   }
 
-  setContent(content, projector = this.projector) {
+  // The source of a layer, the selected one unless another is given.
+  setContent(content, projector = this.projector, layer = projector.layer) {
+    this.reshow(projector, () => projector.change(() => {
+      layer.source = content;
+      projector.fade = null;
+    }));
+  }
+
+  // Layers instead of those that a projector has, faded in within some seconds.
+  setLayers(layers, projector = this.projector, seconds = 0) { this.reshow(projector, () => projector.setLayers(layers, seconds)); }
+
+  // `work` changes what a projector shows and returns the sources that it leaves.
+  reshow(projector, work) {
     this.endComparison(projector);
-    projector.setContent(content);
-    this.watch(content, projector);
+    this.release(work());
+    for (const source of projector.sources) this.watch(source, projector);
     this.invalidate();
     this.changed('content');
   }
 
-  // Turns what a projector shows into other content within some seconds.
-  fadeTo(content, projector, seconds) {
-    if (!(seconds > 0)) return this.setContent(content, projector);
+  // Frees sources that no projector shows.
+  release(sources) {
+    for (const source of new Set(sources)) if (!this.projectors.some((p) => p.sources.includes(source))) source.free();
+  }
+
+  // After a layer was placed, by a hand if it is `moving`.
+  placed(place, moving = true) {
+    const {projector} = this;
     this.endComparison(projector);
-    projector.content = new FadeContent(projector.content, content, seconds);
-    projector.asked++, projector.dirty = true;
-    this.watch(content, projector);
-    this.invalidate();
-    this.changed('content');
+    projector.layer.place = place, projector.dirty = true;
+    this.invalidate(moving);
+    this.changed('layers');
   }
 
   // Fades that have come to their end leave what they led to.
   endFades() {
     for (const projector of this.projectors) {
-      const {content} = projector;
-      if (!(content instanceof FadeContent) || !content.done) continue;
-      projector.content = content.to, projector.dirty = true;
-      if (content.from !== content.to) content.from.free();
+      if (!projector.fade || projector.share < 1) continue;
+      this.release(projector.setLayers(projector.layers));
       this.changed('content');
     }
   }
@@ -201,29 +223,29 @@ class App {
   // A film plays when it is shown, and a frame is drawn whenever it starts or stops.
   watch(content, projector) {
     if (!content.video) return;
-    if (content.shared && content.video.paused) content.video.play().catch(() => {});
+    if (content.shared && content.video.paused) playVideo(content.video);
     if (content.watched && content.watched.has(projector)) return;
     (content.watched = content.watched || new Set()).add(projector);
     for (const event of ['play', 'pause', 'ended', 'seeked'])
       content.video.addEventListener(event, () => {
-        if (projector.content !== content || (event === 'seeked' && content.live)) return;
+        if (!projector.sources.includes(content) || (event === 'seeked' && content.live)) return;
         projector.dirty = true;
         this.invalidate();
       });
   }
 
-  // Shows content that is still being read or decoded, on the projector that is selected now; false if that
-  // projector has received other content since then.
+  // Shows content that is still being read or decoded, in the layer that is selected now; false if its projector has
+  // received other content since then.
   async bring(promised, projector = this.projector) {
-    const asked = ++projector.asked, content = await promised;
+    const asked = ++projector.asked, {layer} = projector, content = await promised;
     if (!content) return false;
     await this.history.rest();
     if (asked === projector.asked && this.projectors.includes(projector)) {
-      this.setContent(content, projector);
+      this.setContent(content, projector, layer);
       this.history.note();
       return true;
     }
-    content.free();
+    this.release([content]);
     return false;
   }
 
@@ -265,7 +287,7 @@ class App {
     if (on && !entry) say('There is no photograph of this view in the page. Jump to a captured view first.');
     if (!entry) return;
     this.jump(this.at, true);
-    const asked = this.comparisons, shown = projector.content.pattern === entry.pattern;
+    const asked = this.comparisons, shown = projector.showsPattern(entry.pattern);
     const content = shown ? null : await patternContent(this.scene, entry.pattern);
     const bitmap = await readPicture(this.scene, entry);
     if (asked !== this.comparisons) { // there was another request since then
@@ -273,7 +295,7 @@ class App {
       if (content) content.free();
       return;
     }
-    if (content) this.setContent(content, projector);
+    if (content) this.setLayers([new Layer(content)], projector);
     this.photograph = {entry, bitmap, projector, kept: exchange(this, NEUTRAL), keptThere: exchange(projector, NEUTRAL_PROJECTOR)};
     this.compared();
   }
@@ -326,7 +348,7 @@ class App {
   // True if a film runs that can be seen, here or in the projector window.
   get playing() {
     const {lit} = this;
-    return this.projectors.some((p) => p.content.live && (lit.includes(p) || (p.on && this.window.isOpen && this.window.projector === p)));
+    return this.projectors.some((p) => p.live && (lit.includes(p) || (p.on && this.window.isOpen && this.window.projector === p)));
   }
 
   get dragged() { return performance.now() - this.lastChange < 180; }
@@ -376,14 +398,14 @@ class App {
   updatePatterns(coarse = false) {
     for (const projector of this.projectors) {
       const watcher = projector.corrected ? this.watcherOf(projector) : null;
-      const key = JSON.stringify([watcher, projector.device, projector.correction, projector.gain, projector.stops, projector.fit]);
-      if (!projector.dirty && !projector.content.live && key === projector.patternKey && (coarse || !projector.coarse)) continue;
+      const key = JSON.stringify([watcher, projector.device, projector.correction, projector.gain, projector.stops]);
+      if (!projector.dirty && !projector.live && key === projector.patternKey && (coarse || !projector.coarse)) continue;
       projector.coarse = projector.corrected && this.compensator.solve(projector, watcher, coarse);
       if (!projector.corrected) {
         projector.freeMaps();
-        if (projector.dirty || projector.content.live || projector.wasCorrected || projector.shownFit !== projector.fit) projector.drawPattern();
+        if (projector.dirty || projector.live || projector.wasCorrected) projector.drawPattern();
       }
-      projector.dirty = false, projector.patternKey = key, projector.wasCorrected = projector.corrected, projector.shownFit = projector.fit;
+      projector.dirty = false, projector.patternKey = key, projector.wasCorrected = projector.corrected;
       this.patternsChanged = true;
     }
   }

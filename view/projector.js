@@ -1,5 +1,5 @@
 'use strict';
-// A projector of the scene: where it is, what it shows, and the paint on top of that. Its content is either
+// A projector of the scene: where it is, the layers it shows, and the paint on top of them. These are either
 // the pattern itself, or a target in a camera's frame for which the pattern is found (compensate.js). A pattern is at least
 // as fine as the real projector's panel, where the scene has one.
 
@@ -29,9 +29,10 @@ class Projector {
     this.device = device;
     this.on = true;
     this.stops = 0; // brightness, in doublings of the capture's
-    this.content = new TestContent('White');
+    this.layers = [new Layer(new TestContent('White'))];
+    this.at = 0;       // the layer that is selected
+    this.fade = null;  // {from: the layers before, seconds, began}
     this.asked = 0; // number of requests to show content, so that a late one is not shown
-    this.fit = 'contain';
     this.correction = 'none'; // 'paint' and 'colours': see compensate.js
     this.watcher = 'now';     // the viewpoint that a correction is for: 'now' or a view's number from 0
     this.gain = 0;            // of a target's light, in doublings
@@ -50,11 +51,49 @@ class Projector {
   get brightness() { return 2 ** this.stops; }
   get corrected() { return this.correction !== 'none'; }
 
-  setContent(content) {
-    if (this.content && this.content !== content) this.content.free();
-    this.content = content;
+  get layer() { return this.layers[this.at]; }
+  get content() { return this.layer.source; }
+  get sources() { return [...this.layers, ...(this.fade ? this.fade.from : [])].map((layer) => layer.source); }
+  get live() { return !!this.fade || this.layers.some((layer) => layer.source.live); }
+
+  // True if it shows a pattern of the capture and nothing else.
+  showsPattern(index) {
+    const {layers: [layer, ...others], fade} = this, plain = JSON.stringify(layer.place) === JSON.stringify(newPlace());
+    return !others.length && !fade && plain && layer.source.pattern === index;
+  }
+
+  // The sources that are not shown afterwards are returned.
+  change(work) {
+    const before = this.sources;
+    work();
+    this.at = clamp(this.at, 0, this.layers.length - 1);
     this.asked++;
     this.dirty = true;
+    return before.filter((source) => !this.sources.includes(source));
+  }
+
+  // Layers instead of those there are, faded in within some seconds; a fade that is cut short goes on from its end.
+  setLayers(layers, seconds = 0) {
+    return this.change(() => {
+      this.fade = seconds > 0 ? {from: this.layers, seconds, began: performance.now()} : null;
+      this.layers = layers;
+    });
+  }
+
+  get share() { return clamp((performance.now() - this.fade.began) / (1000 * this.fade.seconds), 0, 1); }
+
+  // The layers over an empty canvas. In a fade both are drawn in full and added up by their shares, as video mixers do.
+  draw(context, width, height) {
+    if (!this.fade) return drawLayers(this.graphics, context, this.layers, width, height);
+    const {share} = this;
+    for (const [layers, part] of [[this.fade.from, 1 - share], [this.layers, share]]) {
+      const own = scratch('fade', width, height);
+      drawLayers(this.graphics, own, layers, width, height, part);
+      context.save();
+      context.globalCompositeOperation = 'lighter', context.globalAlpha = part;
+      context.drawImage(own.canvas, 0, 0);
+      context.restore();
+    }
   }
 
   // Draws the uncorrected pattern; with a correction, only the paint is uncorrected.
@@ -62,7 +101,7 @@ class Projector {
     const {context, canvas} = this;
     context.fillStyle = '#000';
     context.fillRect(0, 0, canvas.width, canvas.height);
-    this.content.draw(context, canvas.width, canvas.height, this.fit);
+    this.draw(context, canvas.width, canvas.height);
     if (this.painted) context.drawImage(this.paint, 0, 0);
     this.pattern.set(canvas);
   }
@@ -97,7 +136,6 @@ class Projector {
   }
 
   free() {
-    this.content.free();
     this.pattern.free();
     this.freeMaps();
     this.graphics.free(this.shadow);

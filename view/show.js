@@ -1,90 +1,91 @@
 'use strict';
-// A show: cues one after the other, each with what every projector shows, how long it stays and how long it fades in.
+// A show: cues one after the other, each with the layers of every projector and how they are corrected, the view whose poses
+// it takes, how long it fades in, and after how many seconds the next one follows (null: it waits for GO).
 
-const HOLD_MAX = 3600, FADE_MAX = 60; // seconds
+const FOLLOW_MAX = 3600, FADE_MAX = 60; // seconds
 
-// One content turning into another. Both are drawn in full and added up by their shares, as video mixers do.
-class FadeContent {
-  constructor(from, to, seconds) {
-    this.from = from instanceof FadeContent ? from.to : from; // a fade that is cut short goes on from its end
-    this.to = to, this.seconds = seconds, this.began = performance.now();
-    this.name = to.name;
-  }
-  get share() { return clamp((performance.now() - this.began) / (1000 * this.seconds), 0, 1); }
-  get done() { return this.share >= 1; }
-  get live() { return true; }
-  draw(context, width, height, fit) {
-    const {share} = this;
-    for (const [content, part] of [[this.from, 1 - share], [this.to, share]]) {
-      const layer = this.layer && this.layer.width === width && this.layer.height === height ? this.layer : makeCanvas(width, height);
-      this.layer = layer;
-      const own = layer.getContext('2d');
-      own.clearRect(0, 0, width, height);
-      own.save();
-      content.draw(own, width, height, fit);
-      own.restore();
-      context.save();
-      context.globalCompositeOperation = 'lighter', context.globalAlpha = part;
-      context.drawImage(layer, 0, 0);
-      context.restore();
-    }
-  }
-  free() { this.from.free(), this.to.free(); }
+function checkCue(cue) {
+  const {name, fade, pose, shown, follow = cue && cue.hold} = cue || {}; // stages once had `hold`
+  return {
+    name: String(name || 'Cue').slice(0, 80), fade: number('cues: fade', fade, 0, FADE_MAX),
+    follow: follow === null ? null : number('cues: follow', follow, 0, FOLLOW_MAX), pose: pose === undefined || pose === null ? null : number('cues: pose', pose, 0, 1e6),
+    shown: list('cues: shown', shown, PROJECTORS_MAX).map((p) => ({
+      layers: checkLayers(p && p.layers ? p : {content: p}), correction: oneOf('cues: correction', (p && p.correction) || 'none', CORRECTIONS),
+      watcher: (p && p.watcher) || 'now',
+    })),
+  };
 }
 
-const checkCue = (cue) => ({
-  name: String((cue && cue.name) || 'Cue').slice(0, 80), hold: number('cues: hold', cue && cue.hold, 0, HOLD_MAX),
-  fade: number('cues: fade', cue && cue.fade, 0, FADE_MAX), shown: list('cues: shown', cue && cue.shown, PROJECTORS_MAX),
-});
-
 class Show {
-  constructor(app) {
-    this.app = app, this.cues = [], this.at = -1, this.playing = false, this.started = 0;
+  constructor(app) { this.app = app, this.cues = [], this.at = -1, this.armed = this.playing = false, this.started = 0; }
+
+  // What the projectors show now.
+  shown() {
+    const {app} = this;
+    return app.projectors.map((p) => ({layers: describeLayers(app, p.layers), correction: p.correction, watcher: p.watcher}));
   }
 
-  // Adds the projectors' present contents as a cue.
+  // Adds it as a cue.
   add() {
-    const {app} = this, shown = app.projectors.map((p) => describeContent(app, p.content));
     if (this.cues.length >= CUES_MAX) throw new Message(`A show has at most ${CUES_MAX} cues.`);
-    if (shown.includes(null)) throw new Message('The webcam cannot be part of a cue.');
-    this.cues.push({name: shortName(app.projector.content.name), hold: 5, fade: 1, shown});
+    this.cues.push({name: shortName(this.app.projector.content.name), fade: 1, follow: null, pose: null, shown: this.shown()});
+    this.changed();
+  }
+
+  // Puts it in a cue's place.
+  record(index) {
+    this.cues[index].shown = this.shown();
+    say(`Cue ${index + 1} now has what the projectors show.`);
     this.changed();
   }
 
   remove(index) {
     this.cues.splice(index, 1);
-    if (!this.cues.length) this.stop();
+    if (index <= this.at) this.at--;
+    this.stop();
+  }
+
+  // Changes places with the cue before it.
+  raise(index) {
+    const {cues} = this;
+    if (index < 1) return;
+    [cues[index - 1], cues[index]] = [cues[index], cues[index - 1]];
+    if (this.at === index || this.at === index - 1) this.at = 2 * index - 1 - this.at;
     this.changed();
   }
 
   changed() { this.app.changed('cues'); }
 
-  // Fades to a cue; while the show plays, the next one follows.
-  async go(index) {
-    const {app} = this, cue = this.cues[index], started = ++this.started;
-    if (!cue) return;
-    clearTimeout(this.timer);
-    this.at = index;
-    const contents = await Promise.all(cue.shown.map((described) => contentOf(app, described)));
-    if (started !== this.started) return contents.forEach((content) => content.free());
-    contents.forEach((content, i) => {
-      if (app.projectors[i]) app.fadeTo(content, app.projectors[i], cue.fade);
-      else content.free();
-    });
-    if (this.playing) this.timer = setTimeout(attempt(() => this.go((index + 1) % this.cues.length)), 1000 * Math.max(cue.fade + cue.hold, 0.1));
+  arm(on) {
+    this.armed = on;
+    if (on) say('Armed: Space or Enter is GO.');
+    else this.stop();
     this.changed();
   }
 
-  play() {
-    if (!this.cues.length) throw new Message('There are no cues yet: show something, then add it as a cue.');
-    this.playing = true;
-    return this.go(0);
+  // Fades to a cue, the next one unless another is given; after the last comes the first.
+  async go(index = (this.at + 1) % this.cues.length) {
+    const {app} = this, cue = this.cues[index];
+    if (!cue) throw new Message('There are no cues yet: show something, then add it as a cue.');
+    clearTimeout(this.timer);
+    const started = ++this.started, shown = await Promise.all(cue.shown.map((p, i) => layersOf(app, p.layers, app.projectors[i] && app.projectors[i].layers)));
+    if (started !== this.started) return app.release(shown.flat().map((layer) => layer.source));
+    if (app.scene.views[cue.pose]) app.jump(app.scene.views[cue.pose], true);
+    shown.forEach((layers, i) => {
+      const projector = app.projectors[i], {correction, watcher} = cue.shown[i];
+      if (!projector) return app.release(layers.map((layer) => layer.source));
+      Object.assign(projector, {correction, watcher: app.scene.views[watcher] ? watcher : 'now'});
+      app.setLayers(layers, projector, cue.fade);
+    });
+    this.at = index, this.playing = cue.follow !== null;
+    if (this.playing) this.timer = setTimeout(attempt(() => this.go()), 1000 * Math.max(cue.fade + cue.follow, 0.1));
+    this.changed();
   }
 
+  // No cue follows any more; what is shown stays.
   stop() {
     clearTimeout(this.timer);
     this.started++;
-    if (!this.playing) return;
     this.playing = false;
     this.changed();
   }
@@ -93,28 +94,45 @@ class Show {
 // The list of cues in the panel.
 function buildShow(app) {
   const {show} = app, box = $('cues');
-  const amount = (cue, name, most, title) => {
-    const input = element('input', {type: 'number', min: 0, max: most, step: 0.5, value: cue[name], title});
+  let open = null; // the cue whose second row is shown
+  const field = (cue, name, most, title) => {
+    const input = element('input', {type: 'number', min: 0, max: most, step: 0.5, value: cue[name] === null ? '' : cue[name], title, placeholder: 'GO'});
     input.setAttribute('aria-label', title);
     input.onchange = () => {
-      cue[name] = clamp(Number(input.value) || 0, 0, most);
+      cue[name] = input.value === '' && name === 'follow' ? null : clamp(Number(input.value) || 0, 0, most);
       show.changed();
     };
     return input;
   };
+  const press = (text, title, work) => element('button', {textContent: text, title, className: 'small', onclick: attempt(work)});
+  const first = (cue, i) => {
+    const name = element('input', {type: 'text', value: cue.name, maxLength: 80});
+    name.setAttribute('aria-label', `Name of cue ${i + 1}`);
+    name.onchange = () => { cue.name = name.value || 'Cue'; show.changed(); };
+    const go = choose(press(i + 1, `Go to cue ${i + 1}`, () => show.go(i)), i === show.at);
+    const more = press('⋯', `More of cue ${i + 1}`, () => { open = open === cue ? null : cue; refresh(); });
+    return element('div', {className: 'row'}, [go, name, field(cue, 'fade', FADE_MAX, 'Seconds to fade in'), field(cue, 'follow', FOLLOW_MAX, 'Seconds until the next follows; empty: it waits for GO'), more]);
+  };
+  const second = (cue, i) => {
+    const pose = element('select', {title: 'Poses of camera and projector'}, [element('option', {value: '', textContent: 'poses stay'}),
+      ...app.scene.views.map((view, k) => element('option', {value: k, textContent: shortName(view.id)}))]);
+    pose.setAttribute('aria-label', pose.title);
+    pose.value = cue.pose === null ? '' : cue.pose;
+    pose.onchange = () => { cue.pose = pose.value === '' ? null : Number(pose.value); show.changed(); };
+    return element('div', {className: 'row'}, [pose, press('Record', 'Put what the projectors show now into this cue', () => show.record(i)),
+      press('↑', 'Earlier', () => show.raise(i)), press('×', `Remove cue ${i + 1}`, () => show.remove(i))]);
+  };
   const refresh = () => {
-    box.replaceChildren(...show.cues.map((cue, i) => {
-      const go = choose(element('button', {textContent: `${i + 1}  ${cue.name}`, title: 'Go to this cue', className: 'cue'}), i === show.at);
-      const remove = element('button', {textContent: '×', className: 'small', title: `Remove cue ${i + 1}`});
-      go.onclick = attempt(() => show.go(i));
-      remove.onclick = () => show.remove(i);
-      return element('li', {className: 'row'}, [go, amount(cue, 'fade', FADE_MAX, 'Seconds to fade in'), amount(cue, 'hold', HOLD_MAX, 'Seconds to stay'), remove]);
-    }));
+    box.replaceChildren(...show.cues.map((cue, i) => element('li', {}, cue === open ? [first(cue, i), second(cue, i)] : [first(cue, i)])));
     $('cues-head').hidden = !show.cues.length;
-    $('play').textContent = show.playing ? 'Stop' : 'Play in a loop';
+    $('go').disabled = !show.cues.length;
+    $('armed').checked = show.armed;
+    $('hold').hidden = !show.playing;
   };
   $('add-cue').onclick = attempt(() => show.add());
-  $('play').onclick = attempt(() => show.playing ? show.stop() : show.play());
+  $('go').onclick = attempt(() => show.go());
+  $('hold').onclick = () => show.stop();
+  $('armed').onchange = () => show.arm($('armed').checked);
   app.listeners.push((what) => { if (what === 'cues') refresh(); });
   refresh();
 }

@@ -38,11 +38,15 @@ function attempt(work) {
   };
 }
 
+function drawTile(canvas, source) {
+  const {width, height} = canvas, layer = new Layer(source, {fit: 'cover'});
+  drawStraight(canvas.getContext('2d'), layer, layer.frame(width, height));
+}
+
 async function thumbnail(scene, entry, size = 96) {
   const bitmap = await readPicture(scene, entry), canvas = makeCanvas(size, size);
   if (!bitmap) return canvas;
-  canvas.getContext('2d').imageSmoothingQuality = 'high';
-  canvas.getContext('2d').drawImage(bitmap, ...placeOf(bitmap.width, bitmap.height, size, size, 'cover'));
+  drawTile(canvas, new PictureContent('', bitmap));
   bitmap.close();
   return canvas;
 }
@@ -105,17 +109,20 @@ function buildContents(app) {
     TEST_PATTERNS[name](context, 96, 96);
     addTile(box, name, canvas, () => app.setContent(new TestContent(name)), name);
   }
-  const addFile = ({id, name, content}) => {
-    const canvas = makeCanvas(96, 96), context = canvas.getContext('2d');
-    content.draw(context, 96, 96, 'cover');
-    addTile(box, name, canvas, () => app.bring(content), `file ${id}`);
+  const addFile = ({id, name, content, live}) => {
+    const canvas = makeCanvas(96, 96), draw = () => drawTile(canvas, live && !content.running ? new TextContent(name, '#ffffff') : content);
+    draw();
+    addTile(box, name, canvas, async () => {
+      if (live && !content.running) await content.start(), draw();
+      await app.bring(content);
+    }, `file ${id}`);
     box.lastChild.scrollIntoView({block: 'nearest', inline: 'nearest'});
   };
   let added = 0;
   app.listeners.push((what) => {
     if (what === 'library') app.library.entries.slice(added).forEach(addFile), added = app.library.entries.length;
     if (what !== 'content' && what !== 'projector') return;
-    const content = app.projector.content instanceof FadeContent ? app.projector.content.to : app.projector.content;
+    const {content} = app.projector;
     const test = white && content.name === 'White' ? String(scene.patterns.findIndex((p) => p.role === 'white')) : content.name;
     const key = content instanceof TestContent ? test : content.file !== undefined ? `file ${content.file}` : String(content.pattern); // names may be those of patterns or files
     for (const tile of box.children) choose(tile, tile.dataset.content === key);
@@ -163,7 +170,7 @@ const fieldOf = (d) => 360 / Math.PI * Math.atan(d.width / (2 * d.fx));
 function buildSettings(app) {
   const redraw = () => app.invalidate();
   bind(app, 'on', () => app.projector.on, (on) => { app.projector.on = on; app.changed('projector'); app.patternsChanged = true; redraw(); });
-  bind(app, 'fit', () => app.projector.fit, (fit) => { app.projector.fit = fit; redraw(); });
+  bind(app, 'fit', () => app.projector.layer.fit, (fit) => { app.projector.layer.fit = fit; app.projector.dirty = true; redraw(); });
   bind(app, 'brightness', () => app.projector.stops, (stops) => { app.projector.stops = stops; redraw(); }, () => stopsText(app.projector.stops));
   bind(app, 'lens', () => fieldOf(app.projector.device), (degrees) => {
     const d = app.projector.device;
@@ -215,7 +222,9 @@ function setMode(app, mode) {
   for (const button of document.querySelectorAll('[data-mode]'))
     button.setAttribute('aria-pressed', button.dataset.mode === mode);
   app.canvas.style.cursor = mode === 'brush' ? 'crosshair' : 'grab';
-  app.redrawOverlay();
+  if (mode === 'place' && innerWidth <= 700) document.body.classList.remove('with-panel'); // there is room for one of them
+  app.changed('mode');
+  app.invalidate();
 }
 
 function savePicture(app) {
@@ -253,8 +262,8 @@ function buildTools(app) {
   $('help').onclick = () => $('keys').showModal();
   $('keys').onclick = () => $('keys').close();
   $('toggle').onclick = () => togglePanel(app);
-  $('undo').onclick = attempt(() => app.history.go(-1));
-  $('redo').onclick = attempt(() => app.history.go(1));
+  $('undo').onclick = attempt(() => unwind(app, -1));
+  $('redo').onclick = attempt(() => unwind(app, 1));
   $('save-stage').onclick = attempt(() => saveStage(app));
   $('load-stage').onclick = () => $('file').click();
   app.listeners.push((what) => {
@@ -270,11 +279,16 @@ function buildSources(app) {
     $('file').value = '';
     if (file) await showFile(app, file);
   });
-  $('webcam').onclick = attempt(() => app.bring(contentOfWebcam()));
+  const bring = async (live) => {
+    const content = app.library.stream(live);
+    if (!content.running) await content.start();
+    app.changed('streams');
+    await app.bring(content);
+  };
+  $('webcam').onclick = attempt(() => bring('camera'));
+  $('screen').onclick = attempt(() => bring('screen'));
   $('solid').oninput = () => app.setContent(new SolidContent($('solid').value));
-  const write = () => app.setContent(new TextContent($('text').value, $('solid').value === '#000000' ? '#ffffff' : $('solid').value));
-  $('text').oninput = write;
-  $('text').onfocus = () => { if ($('text').value) write(); };
+  const write = buildText(app);
   addEventListener('dragover', (event) => { event.preventDefault(); document.body.classList.add('dropping'); });
   addEventListener('dragleave', (event) => { if (!event.relatedTarget) document.body.classList.remove('dropping'); });
   addEventListener('drop', (event) => {
@@ -287,7 +301,7 @@ function buildSources(app) {
     if (isText(event.target)) return;
     const [file] = event.clipboardData.files, text = event.clipboardData.getData('text');
     if (file) attempt(showFile)(app, file);
-    else if (text) { $('text').value = text.slice(0, 200); write(); }
+    else if (text) write(text);
     else say('There is no picture in the clipboard.');
   });
 }
@@ -298,8 +312,11 @@ async function showFile(app, file) {
   if (await app.bring(app.library.take(file))) app.shown = (app.shown || 0) + 1;
 }
 
+// The GO key.
+const go = attempt(async (app) => { if (app.show.armed) await app.show.go(), app.history.note(); });
+
 const KEYS = {
-  c: (app) => setMode(app, 'camera'), p: (app) => setMode(app, 'projector'), b: (app) => setMode(app, 'brush'),
+  c: (app) => setMode(app, 'camera'), p: (app) => setMode(app, 'projector'), b: (app) => setMode(app, 'brush'), l: (app) => setMode(app, 'place'),
   a: (app) => { app.ambient = !app.ambient; app.changed('settings'); app.invalidate(); },
   g: (app) => { app.map = app.map === null ? 0 : app.map === 5 ? null : app.map + 1; app.changed('settings'); app.invalidate(); },
   x: (app) => { app.frusta = !app.frusta; app.changed('settings'); app.invalidate(); },
@@ -309,13 +326,13 @@ const KEYS = {
   '+': (app) => app.dolly(0.9), '=': (app) => app.dolly(0.9), '-': (app) => app.dolly(1 / 0.9),
   '[': (app) => { app.brush.size = Math.max(2, app.brush.size - 2); app.changed('brush'); app.redrawOverlay(); },
   ']': (app) => { app.brush.size = Math.min(120, app.brush.size + 2); app.changed('brush'); app.redrawOverlay(); },
-  k: (app) => attempt(() => app.show.playing ? app.show.stop() : app.show.play())(),
+  k: (app) => app.show.arm(!app.show.armed), Escape: (app) => app.show.stop(),
   e: (app) => { app.brush.erase = !app.brush.erase; app.changed('brush'); app.redrawOverlay(); },
   ' ': (app) => { if (app.projector.content.toggle) { app.projector.content.toggle(); app.invalidate(); } },
 };
 const ARROWS = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]};
 
-const isText = (target) => target instanceof HTMLInputElement && target.type === 'text';
+const isText = (target) => target instanceof Element && target.matches('textarea, input[type=text], input[type=number]');
 
 // True if a control uses a key itself: to type into it, to move it or to press it.
 function takesKey(target, key) {
@@ -327,7 +344,8 @@ function takesKey(target, key) {
 // Turns, or moves what is chosen; in a whole scene the camera walks ahead and back.
 function arrow(app, controls, event) {
   const [x, y] = ARROWS[event.key].map((d) => 16 * d), {whole} = app.scene;
-  if (app.mode === 'projector') controls.drag(event.shiftKey ? 'aim' : 'projector', x, y);
+  if (app.mode === 'place') nudge(app, ARROWS[event.key], event.shiftKey);
+  else if (app.mode === 'projector') controls.drag(event.shiftKey ? 'aim' : 'projector', x, y);
   else if (whole && !event.shiftKey && y) app.walk(-y / 200, 0);
   else if (whole && event.shiftKey && x) app.walk(0, x / 200);
   else controls.drag(event.shiftKey ? 'pan' : 'orbit', whole && !event.shiftKey ? -x : x, y);
@@ -342,12 +360,16 @@ function nameWhole() {
 function buildKeys(app, controls) {
   addEventListener('keydown', (event) => {
     if ((event.ctrlKey || event.metaKey) && /^[zy]$/i.test(event.key) && !isText(event.target) && !$('keys').open) {
-      attempt(() => app.history.go(event.key.toLowerCase() === 'y' || event.shiftKey ? 1 : -1))();
+      attempt(() => unwind(app, event.key.toLowerCase() === 'y' || event.shiftKey ? 1 : -1))();
       event.preventDefault();
       return;
     }
-    if (takesKey(event.target, event.key) || event.ctrlKey || event.metaKey || event.altKey || $('keys').open) return;
-    if (ARROWS[event.key]) {
+    const goes = app.show.armed && (event.key === ' ' || event.key === 'Enter') && !isText(event.target);
+    if ((!goes && takesKey(event.target, event.key)) || event.ctrlKey || event.metaKey || event.altKey || $('keys').open) return;
+    if (goes) {
+      app.blurPanel(); // its button would be pressed too
+      if (!event.repeat) go(app);
+    } else if (ARROWS[event.key]) {
       arrow(app, controls, event);
     } else if (/^[1-9]$/.test(event.key)) {
       const view = app.scene.views[Number(event.key) - 1];
@@ -394,6 +416,9 @@ function buildPage(app) {
   buildViews(app);
   buildProjectors(app);
   buildContents(app);
+  buildLayers(app);
+  buildPlace(app);
+  buildFilm(app);
   buildSettings(app);
   buildCorrection(app);
   buildShow(app);

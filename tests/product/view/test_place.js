@@ -6,13 +6,61 @@
 
 if (typeof document === 'undefined') {
   const {readFileSync} = require('node:fs'), {runInThisContext} = require('node:vm');
-  for (const name of ['math', 'history'])
+  for (const name of ['math', 'place', 'history'])
     runInThisContext(readFileSync(`${__dirname}/../../../view/${name}.js`, 'utf8'), {filename: `${name}.js`});
 }
 
 var testsOfPlace = async () => {
   const failures = [];
   const check = (what, good, told = '') => { if (!good) failures.push(`${what}: ${told}`); };
+
+  const near = (a, b, most = 1e-9) => a.flat().every((value, i) => Math.abs(value - b.flat()[i]) <= most);
+
+  // --- Places. ---
+  const place = {...newPlace(), x: 0.1, y: -0.2, width: 0.5, height: 0.7, turn: 30, pull: [[0.1, 0], [0, -0.2], [0.05, 0.1], [0, 0]]};
+  const frame = layerFrame(place, [200, 100], 'contain', 800, 600), corners = cornersOf(frame), map = homographyOf(frame);
+  const withPlace = (changed) => ({...frame, place: changed});
+  check('what fits', near([fittedSize([200, 100], 800, 600, 'contain'), fittedSize([200, 100], 800, 600, 'cover'), fittedSize(null, 8, 6)],
+    [[800, 400], [1200, 600], [8, 6]]));
+  check('the homography leads to the corners', near(UNIT.map((unit) => throughHomography(map, unit)), corners, 1e-9), corners);
+  check('and back', near([0.3, 0.8], toUnit(frame, throughHomography(map, [0.3, 0.8]))));
+  const straight = [0.2, 0.5, 0.9].map((u) => throughHomography(map, [u, 0.4 + 0.3 * u])), [p, q, r] = straight;
+  check('straight lines stay straight', Math.abs((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])) < 1e-8);
+  const quad = [[0, 0], [4, 0], [4, 4], [0, 4]], trapezium = [[1, 0], [3, 0], [4, 4], [0, 4]];
+  check('a square is mapped evenly', near(throughHomography(homographyTo(quad), [0.5, 0.25]), [2, 1]));
+  check('a trapezium as perspective has it', near(throughHomography(homographyTo(trapezium), [0.5, 0.5]), [2, 4 / 3]), throughHomography(homographyTo(trapezium), [0.5, 0.5]));
+  for (const [name, k] of [[0, 0], [2, 2]]) {
+    const to = [corners[k][0] + 17, corners[k][1] - 9], pulled = withPlace(dragHandle(frame, 'corners', name, to, false));
+    check(`corner ${k} follows the pointer`, near(cornersOf(pulled)[k], to) && near(cornersOf(pulled)[(k + 1) % 4], corners[(k + 1) % 4]));
+    const free = withPlace(dragHandle(frame, 'size', name, to, true)), opposite = (k + 2) % 4;
+    check(`corner ${k} scales, the opposite one stays`, near(cornersOf(free)[opposite], corners[opposite], 1e-8) && near(cornersOf(free)[k], to, 1e-8));
+    const even = dragHandle(frame, 'size', name, to, false);
+    check('and keeps the shape', Math.abs(even.width / even.height - place.width / place.height) < 1e-12 && even.width !== place.width);
+  }
+  const fold = dragHandle(frame, 'corners', 0, corners[2], false);
+  check('a corner that would fold the layer stays', fold === place);
+  const wide = withPlace(dragHandle(frame, 'size', 5, [corners[1][0] + 90, corners[1][1] + 50], false));
+  check('an edge changes one side', wide.place.height === place.height && wide.place.width > place.width &&
+    near(between(cornersOf(wide)[0], cornersOf(wide)[3]), between(corners[0], corners[3]), 1e-8));
+  const m = middleOf(frame), turn = dragHandle(frame, 'size', 'turn', [m[0] + 100, m[1] + 3], true);
+  check('the handle turns in steps', turn.turn === 90, turn.turn);
+  check('moving moves all corners alike', near(cornersOf(withPlace(movedBy(frame, 8, -6))), corners.map(([x, y]) => [x + 8, y - 6])));
+  const [a, b] = [[300, 300], [400, 320]], [c, d] = [[310, 250], [380, 420]], pinch = withPlace(pinched(frame, [a, b], [c, d]));
+  const held = [a, b].map((at) => fromBox(pinch, toBox(frame, at)));
+  check('two fingers hold what they touch', near(held, [c, d], 1e-6), held);
+
+  // --- Hits, crop and mask. ---
+  const cut = withPlace(dragHandle(frame, 'crop', 7, throughHomography(map, [0.25, 0.6]), false));
+  check('an edge crops', near([cut.place.crop], [[0.25, 0, 0, 0]]), cut.place.crop);
+  check('what is cropped is not hit', covers(frame, throughHomography(map, [0.2, 0.5])) && !covers(cut, throughHomography(map, [0.2, 0.5])) && covers(cut, throughHomography(map, [0.3, 0.5])));
+  const far = withPlace(dragHandle(cut, 'crop', 5, throughHomography(map, [-3, 0.5]), false));
+  check('a crop leaves something', far.place.crop[0] + far.place.crop[2] < 1);
+  const masked = withPlace({...place, mask: [[0, 0], [1, 0], [0, 1]]});
+  check('what is masked is not hit', covers(masked, throughHomography(map, [0.2, 0.2])) && !covers(masked, throughHomography(map, [0.8, 0.8])));
+  const moved = withPlace(dragHandle(masked, 'mask', 'mask 1', throughHomography(map, [0.9, 0.9]), false));
+  check('a point of the mask moves', near(moved.place.mask, [[0, 0], [0.9, 0.9], [0, 1]], 1e-9), moved.place.mask);
+  const handles = handlesOf(frame, 'size', 24), under = handleUnder(handles, [corners[1][0] + 3, corners[1][1] + 4], 12);
+  check('the nearest handle is hit', under && under.name === 1 && !handleUnder(handles, [corners[1][0] + 30, corners[1][1] - 40], 12), under && under.name);
 
   // --- Undo. ---
   const work = {value: 0}, undo = () => new Undo({take: () => work.value, same: (a, b) => a === b, put: async (state) => { work.value = state; }});

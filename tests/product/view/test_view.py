@@ -548,16 +548,97 @@ def check_undo(check, page):
         time.sleep(0.5)
     page.mouse("mouseReleased", 270, 205, "left", 0)
     stroke = page.run("new Promise((done) => setTimeout(() => done([viewer.history.at, viewer.projector.content.name, viewer.projector.painted])))")
-    page.run("document.querySelectorAll('#contents .tile')[1].click()")
+    page.click("#contents .tile[data-content=Grid]")
     page.drag((240, 190), (280, 190), steps=2)
     page.key("c")
-    page.wait("viewer.history.at === viewer.history.states.length - 1")
+    time.sleep(0.5)
     both = page.run("viewer.history.at")
     check("a stroke that rests is one step, a tile and a stroke are two", stroke == [steps + 1, "White", True] and both == steps + 3, f"{stroke}, {both - steps} steps")
     page.run("viewer.history.go(-2)")
     back = page.run("[viewer.projector.content.name, viewer.projector.painted]")
     page.run("viewer.history.go(-1)")
     check("undo takes them in order", back == ["White", True] and not page.run("viewer.projector.painted"), f"{back}")
+
+
+# The picture sent to the projector: the mean of a part of it, in shares of its sides.
+PART = """((left, top, right, bottom) => { viewer.updatePatterns();
+    const {width, height, data} = panelPicture(viewer.graphics, viewer.projector, null, window.kept = window.kept || {}), sum = [0, 0, 0];
+    let n = 0;
+    for (let y = Math.round(top * height); y < Math.round(bottom * height); y++)
+        for (let x = Math.round(left * width); x < Math.round(right * width); x++, n++) for (let k = 0; k < 3; k++) sum[k] += data[4 * (y * width + x) + k];
+    return sum.map((value) => Math.round(value / n)); })"""
+
+
+def check_place(check, page):
+    """Layers are placed by their handles and by numbers, and the projector's picture has them there."""
+    page.resize(1280, 800)
+    page.run("viewer.jump(viewer.scene.views[0], true); viewer.setContent(new SolidContent('#0000ff')); document.body.classList.add('with-panel'); idle()")
+    page.click("[data-mode=place]")
+    page.click("#add-layer")
+    page.set("text", "\u2588\u2588\u2588\u2588")  # blocks, whose pixels are known
+    page.run("document.getElementById('text').dispatchEvent(new Event('change', {bubbles: true})); document.activeElement.blur(); idle()")
+    mean = lambda *part: page.run(f"{PART}({', '.join(map(str, part))})")
+    screen = lambda at: [at[i] + page.run("(() => { const {left, top} = viewer.flat.box(); return [left, top]; })()")[i] for i in (0, 1)]
+    grip = lambda name: screen(page.run(f"viewer.flat.handles().find((h) => h.name === {name!r}).at"))
+    size, middle = page.run("[viewer.flat.box().width, viewer.flat.box().height]"), (0.45, 0.48, 0.55, 0.52)
+    left, aside = mean(0, 0.48, 0.03, 0.52), mean(0.2, 0.49, 0.22, 0.51)
+    check("a text lies over what is below it", mean(*middle) == [255, 255, 255] and aside == [255, 255, 255] and left == mean(0, 0, 1, 0.2) == [0, 0, 255], f"{mean(*middle)} {aside} {left}")
+    steps = page.run("viewer.history.at")
+    start = grip(0)
+    page.drag(start, [start[0] + size[0] / 2, grip(2)[1] - (grip(2)[1] - start[1]) / 2])
+    page.run("idle()")
+    scaled = page.run("viewer.projector.layer.place")
+    small = [mean(0.2, 0.49, 0.22, 0.51), mean(0.7, 0.54, 0.8, 0.56)]
+    check("a handle scales it", abs(scaled["width"] - 0.5) < 0.03 and small == [[0, 0, 255], [255, 255, 255]], f"{scaled['width']:.2f}, {small}")
+    at = screen([0.75 * size[0], 0.55 * size[1]])
+    page.drag(at, [at[0] - size[0] / 4, at[1] - size[1] / 4])
+    page.run("idle()")
+    check("a drag moves it", mean(0.48, 0.29, 0.52, 0.31) == [255, 255, 255] and mean(0.7, 0.54, 0.8, 0.56) == [0, 0, 255], f"{page.run('viewer.projector.layer.place')}")
+    page.click("[data-what=corners]")
+    corner = grip(1)
+    page.drag(corner, [corner[0], corner[1] - size[1] / 5])
+    page.run("idle()")
+    check("a pulled corner takes the picture along, in perspective", mean(0.68, 0.2, 0.7, 0.22) == [255, 255, 255] and mean(0.3, 0.2, 0.32, 0.22) == [0, 0, 255],
+          f"{mean(0.68, 0.2, 0.7, 0.22)} {mean(0.3, 0.2, 0.32, 0.22)}")
+    count = page.run("viewer.history.at") - steps
+    for _ in range(3):
+        page.key("z", "KeyZ", modifiers=2)
+        page.wait("!viewer.history.busy")
+    place = page.run("JSON.stringify(viewer.projector.layer.place) === JSON.stringify(newPlace())")
+    check("three gestures are three steps back", count == 3 and place and aside == mean(0.2, 0.49, 0.22, 0.51), f"{count} steps")
+    page.click("[data-what=crop]")
+    edge = grip(7)
+    page.drag(edge, [edge[0] + size[0] / 2, edge[1]])
+    page.run("idle()")
+    crop = [mean(0.3, 0.49, 0.4, 0.51), mean(0.6, 0.49, 0.7, 0.51)]
+    page.click("#reset-place")
+    page.click("[data-what=mask]")
+    for point in ((0.5, 0.3), (0.9, 0.3), (0.9, 0.7), (0.5, 0.7)):
+        x, y = screen([point[0] * size[0], point[1] * size[1]])
+        page.mouse("mousePressed", x, y)
+        page.mouse("mouseReleased", x, y, "left", 0)
+    page.run("idle()")
+    mask = [mean(0.3, 0.49, 0.4, 0.51), mean(0.6, 0.49, 0.7, 0.51)]
+    check("crop and mask take away what they should", crop == mask == [[0, 0, 255], [255, 255, 255]], f"{crop} {mask}")
+    page.click("#reset-place")
+    page.run("(() => { const input = document.querySelector('#numbers [aria-label=Turn]'); input.value = 90; input.dispatchEvent(new Event('input', {bubbles: true})); })()")
+    turned = [mean(0.2, 0.49, 0.22, 0.51), mean(0.49, 0.2, 0.51, 0.22)]
+    page.run("(() => { const input = document.querySelector('#numbers [aria-label=Opacity]'); input.value = 50; input.dispatchEvent(new Event('input', {bubbles: true})); })()")
+    check("numbers place it, too", turned == [[0, 0, 255], [255, 255, 255]] and abs(mean(0.49, 0.2, 0.51, 0.22)[0] - 128) < 3, f"{turned} {mean(0.49, 0.2, 0.51, 0.22)}")
+    page.set("correction", "paint")
+    page.run("viewer.show.add(); viewer.setLayers([new Layer(new SolidContent('#ff0000'))]); true")
+    page.set("correction", "none")
+    page.run("viewer.show.add(); viewer.show.cues.forEach((cue) => { cue.fade = 0; }); viewer.show.at = -1; viewer.show.arm(true); document.getElementById('go').focus(); true")
+    page.key(" ", "Space", windowsVirtualKeyCode=32)
+    page.wait("viewer.show.at === 0")
+    first = page.run("[viewer.projector.layers.length, viewer.projector.layer.place.turn, viewer.projector.correction, viewer.history.at === viewer.history.states.length - 1]")
+    page.set("correction", "none")
+    shown = mean(0.49, 0.2, 0.51, 0.22)
+    page.key("Enter", "Enter", windowsVirtualKeyCode=13)
+    page.wait("viewer.show.at === 1")
+    check("GO brings layers, places and correction of the next cue", first == [2, 0, "paint", True] and abs(shown[0] - 128) < 3 and mean(0, 0, 1, 1) == [255, 0, 0], f"{first} {shown} {mean(0, 0, 1, 1)}")
+    page.run("viewer.show.arm(false); viewer.show.cues = []; viewer.changed('cues'); setMode(viewer, 'camera'); viewer.setContent(new TestContent('White')); true")
+    page.resize(520, 400)
 
 
 def check_cues(check, page):
@@ -570,16 +651,16 @@ def check_cues(check, page):
         page.run(f"viewer.setContent(new SolidContent('{colour}')); viewer.show.add()")
         seen.append(page.pixels())
     page.run("viewer.show.cues[0].fade = 20; viewer.show.go(0)")
-    page.run("viewer.projector.content.began -= 10000; true")  # half of the fade later
+    page.run("viewer.projector.fade.began -= 10000, viewer.projector.dirty = true")  # half of the fade later
     half = page.pixels()
-    page.run("viewer.projector.content.began -= 20000; viewer.endFades()")
+    page.run("viewer.projector.fade.began -= 20000; viewer.endFades()")
     last = page.pixels()
     check("a cue fades in, corrected", change(seen[0], half) > 0.2 and change(seen[1], half) > 0.2 and change(seen[0], last) < 0.1,
           f"{change(seen[0], half):.2f} {change(seen[1], half):.2f} {change(seen[0], last):.2f}")
-    page.run("viewer.show.cues.forEach((cue) => { cue.fade = 0; cue.hold = 0.2; }); viewer.show.play()")
+    page.run("viewer.show.cues.forEach((cue) => { cue.fade = 0; cue.follow = 0.2; }); viewer.show.go(0)")
     page.wait("viewer.show.at === 1")
     page.wait("viewer.show.at === 0")
-    check("a show plays in a loop", page.run("viewer.show.playing"))
+    check("cues follow each other in a loop", page.run("viewer.show.playing"))
     page.run("viewer.show.stop(); viewer.show.cues = []; viewer.changed('cues'); true")
     page.hold(False)
     page.set("correction", "none")
@@ -783,7 +864,7 @@ def check_contents(check, page, folder):
     page.drop("two.gif", "image/gif", gif)
     page.wait("viewer.projector.content.name === 'two.gif'", 30)
     halves = page.run("""(() => { const c = viewer.projector.content, canvas = new OffscreenCanvas(8, 8), context = canvas.getContext('2d', {willReadFrequently: true});
-        return [0.2, 0.7].map((share) => { c.stopped = share * c.ends.at(-1); c.draw(context, 8, 8, 'stretch');
+        return [0.2, 0.7].map((share) => { c.stopped = share * c.ends.at(-1); c.paint(context, 8, 8);
             return context.getImageData(4, 4, 1, 1).data.join(); }); })()""")
     check("a GIF moves", len(set(halves)) == 2, " ".join(halves))
     page.drop("untyped.webm", "", film)
@@ -1058,6 +1139,7 @@ def main():
             check_looks(check, page, folder)
             check_access(check, page)
             check_undo(check, page)
+            check_place(check, page)
             check_cues(check, page)
             check_letters(check, page, folder)
             check_touch(check, page, folder)

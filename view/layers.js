@@ -1,0 +1,94 @@
+'use strict';
+// What a projector shows is layers, the last one on top: each has a source (contents.js), a place (place.js), and of a film
+// the sound and the part that is played.
+
+const LAYERS_MAX = 16, WARP_MAX = 4096; // of a pulled source, pixels a side
+const newFilm = () => ({volume: 1, from: 0, to: 0}); // seconds; to 0: to its end
+
+class Layer {
+  constructor(source, {fit = 'contain', place = newPlace(), film = newFilm()} = {}) {
+    this.source = source, this.fit = fit, this.place = structuredClone(place), this.film = {...film};
+  }
+  frame(width, height) { return layerFrame(this.place, this.source.size, this.fit, width, height); }
+}
+
+// An empty canvas by its name, made again only for another size.
+const scratches = {};
+function scratch(name, width, height) {
+  const kept = scratches[name];
+  if (!kept || kept.width !== width || kept.height !== height) scratches[name] = makeCanvas(width, height);
+  const context = scratches[name].getContext('2d');
+  context.setTransform(1, 0, 0, 1, 0, 0);
+  context.clearRect(0, 0, width, height);
+  return context;
+}
+
+// The source in a box at the origin, without what crop and mask take away.
+function paintCut(context, {source, place}, width, height) {
+  const clip = (points) => {
+    context.beginPath();
+    points.forEach(([u, v], k) => k ? context.lineTo(u * width, v * height) : context.moveTo(u * width, v * height));
+    context.clip();
+  };
+  context.save();
+  if (place.crop.some(Boolean)) clip(cropped(place));
+  if (place.mask && place.mask.length > 2) clip(place.mask);
+  source.paint(context, width, height);
+  context.restore();
+}
+
+// A layer whose corners are pulled is drawn by the graphics driver, as a picture in perspective.
+function drawPulled(graphics, context, layer, frame) {
+  const {gl} = graphics, corners = cornersOf(frame), border = 2, {width, height} = frame;
+  const long = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+  const [w, h] = [Math.max(long(corners[0], corners[1]), long(corners[3], corners[2])), Math.max(long(corners[0], corners[3]), long(corners[1], corners[2]))]
+    .map((side) => clamp(Math.ceil(side), 1, WARP_MAX));
+  const flat = scratch('flat', w + 2 * border, h + 2 * border);
+  flat.translate(border, border);
+  paintCut(flat, layer, w, h);
+  graphics.warped = graphics.warped || gl.createTexture();
+  gl.bindTexture(gl.TEXTURE_2D, graphics.warped);
+  gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, flat.canvas);
+  gl.generateMipmap(gl.TEXTURE_2D);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
+  for (const side of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, side, gl.CLAMP_TO_EDGE);
+  graphics.warpTarget = graphics.fit(graphics.warpTarget, width, height, [gl.RGBA8]);
+  graphics.clear(graphics.warpTarget);
+  gl.viewport(0, 0, width, height);
+  gl.bindVertexArray(graphics.empty);
+  const m = homographyTo(corners);
+  graphics.use(graphics.program('warp.vert', ['warp.frag']), {
+    u_map: [m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]], u_size: [width, height], u_border: [border / w, border / h], u_source: graphics.warped,
+  });
+  gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+  const drawn = scratch('warped', width, height);
+  drawn.putImageData(new ImageData(graphics.readBytes(graphics.warpTarget), width, height), 0, 0);
+  context.drawImage(drawn.canvas, 0, 0);
+}
+
+function drawStraight(context, layer, frame) {
+  const {place} = layer, [w, h] = [frame.fitted[0] * place.width, frame.fitted[1] * place.height];
+  context.save();
+  context.translate(...middleOf(frame));
+  context.rotate(place.turn * Math.PI / 180);
+  context.translate(-w / 2, -h / 2);
+  paintCut(context, layer, w, h);
+  context.restore();
+}
+
+// Draws layers over what a canvas shows. `sound`: the share of their films' volumes.
+function drawLayers(graphics, context, layers, width, height, sound = 1) {
+  for (const layer of layers) {
+    const frame = layer.frame(width, height), {opacity} = layer.place;
+    if (layer.source.video) layer.source.follow(layer.film, sound);
+    const own = opacity < 1 ? scratch('layer', width, height) : context; // patterns draw over themselves
+    if (isPulled(layer.place)) drawPulled(graphics, own, layer, frame);
+    else drawStraight(own, layer, frame);
+    if (own === context) continue;
+    context.save();
+    context.globalAlpha = opacity;
+    context.drawImage(own.canvas, 0, 0);
+    context.restore();
+  }
+}
