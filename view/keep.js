@@ -93,6 +93,7 @@ function stateOf(app) {
   return {
     projectors, selected: app.projectors.indexOf(app.projector), exposure: app.exposure, ambient: app.ambient,
     cues: structuredClone(app.show.cues), view: app.scene.views.indexOf(app.at), pose: app.pose, target: app.target,
+    window: app.window.where,
   };
 }
 
@@ -132,6 +133,7 @@ async function applyState(app, state, withView) {
   if (withView && app.scene.views[state.view]) {
     app.jump(app.scene.views[state.view], false);
     app.pose = state.pose, app.target = state.target;
+    app.window.where = state.window || app.window.where;
   }
   for (const what of ['content', 'device', 'settings', 'cues']) app.changed(what);
   app.patternsChanged = true;
@@ -255,6 +257,11 @@ function checkLayers({layers, content, fit = 'contain'}) {
   return checked;
 }
 
+const checkWindow = ({left, top, width, height, full}) => ({
+  left: number('window: left', left, -1e5, 1e5), top: number('window: top', top, -1e5, 1e5),
+  width: number('window: width', width, 1, 1e5), height: number('window: height', height, 1, 1e5), full: full === true,
+});
+
 // A state from a file or from the browser's store.
 async function checkState(app, plain) {
   const size = app.projectors[0].device, projectors = [];
@@ -270,7 +277,7 @@ async function checkState(app, plain) {
     projectors, selected: number('selected', plain.selected, 0, PROJECTORS_MAX), exposure: number('exposure', plain.exposure, -20, 20),
     ambient: plain.ambient !== false, cues: list('cues', plain.cues || [], CUES_MAX).map(checkCue),
     view: number('view', plain.view, 0, 1e6), pose: checkDevice({...size, pose: plain.pose}, size).pose,
-    target: list('target', plain.target, 3).map((x) => number('target', x, -1e9, 1e9)),
+    target: list('target', plain.target, 3).map((x) => number('target', x, -1e9, 1e9)), window: plain.window ? checkWindow(plain.window) : null,
   };
 }
 

@@ -1,5 +1,5 @@
 'use strict';
-// What a projector shows is layers, the last one on top: each has a source (contents.js), a place (place.js), and of a film
+// A projector shows layers, the last one on top: each has a source (contents.js), a place (place.js), and of a film
 // the sound and the part that is played.
 
 const LAYERS_MAX = 16, WARP_MAX = 4096; // of a pulled source, pixels a side

@@ -19,7 +19,7 @@ function checkCue(cue) {
 class Show {
   constructor(app) { this.app = app, this.cues = [], this.at = -1, this.armed = this.playing = false, this.started = 0; }
 
-  // What the projectors show now.
+  // The projectors as they are now, for a cue.
   shown() {
     const {app} = this;
     return app.projectors.map((p) => ({layers: describeLayers(app, p.layers), correction: p.correction, watcher: p.watcher}));

@@ -28,39 +28,59 @@ class ProjectorWindow {
     this.window = null;
     this.projector = null;
     this.dark = this.test = false;
+    this.where = null; // {left, top, width, height, full}: the window's place, to which it comes back
     addEventListener('pagehide', () => this.close());
     document.addEventListener('visibilitychange', () => app.reschedule());
   }
 
   get isOpen() { return !!this.window && !this.window.closed; }
 
-  open(projector) {
+  async open(projector) {
     this.projector = projector;
     if (!this.isOpen) {
-      this.window = window.open('', '', 'popup,width=800,height=600');
+      const {left, top, width = 800, height = 600, full} = this.where || {};
+      // other screens are open to pages that may know of them
+      if (this.where && screen.isExtended && window.getScreenDetails) await getScreenDetails().catch(() => {});
+      this.window = window.open('', '', `popup,width=${width},height=${height}${this.where ? `,left=${left},top=${top}` : ''}`);
       if (!this.window) throw new Message('The browser blocked the projector window: allow this page to open windows.');
-      this.furnish(this.window.document);
+      this.furnish(this.window.document, full);
     }
     this.show();
   }
 
-  furnish(page) {
+  // Where the window is; one that fills its screen keeps the size that it had.
+  notePlace() {
+    const {screenX: left, screenY: top, innerWidth, innerHeight, document: {fullscreenElement}} = this.window, {width, height} = this.where || {};
+    this.where = {left, top, full: !!fullscreenElement, ...(fullscreenElement ? {width: width || 800, height: height || 600} : {width: innerWidth, height: innerHeight})};
+  }
+
+  furnish(page, full) {
     page.title = 'Projector';
     page.body.style.cssText = 'margin:0;background:#000;height:100vh;overflow:hidden;cursor:none';
     this.canvas = page.createElement('canvas');
     const hint = page.createElement('p');
-    hint.textContent = 'Move this window to the projector, then click it, or press F: full screen.';
+    hint.textContent = full ? 'Click this window, or press F: full screen again.' : 'Move this window to the projector, then click it, or press F: full screen.';
     hint.style.cssText = 'position:fixed;left:0;right:0;bottom:8vh;margin:auto;text-align:center;color:#fff;' +
                          'font:16px system-ui;text-shadow:0 0 6px #000;pointer-events:none';
     page.body.replaceChildren(this.canvas, hint);
-    const full = () => {
+    const fill = () => {
       hint.remove();
       if (page.fullscreenElement) page.exitFullscreen(); else page.documentElement.requestFullscreen().catch(() => {});
     };
-    this.window.addEventListener('resize', () => this.place());
-    page.addEventListener('click', full);
+    this.window.addEventListener('resize', () => {
+      this.notePlace();
+      this.place();
+    });
+    this.window.addEventListener('pagehide', () => {
+      this.notePlace();
+      if (this.app.store) this.app.store.soon();
+      say('The projector window was closed. Press W: it comes back where it was.');
+    });
+    page.addEventListener('click', fill);
+    if (full) page.documentElement.requestFullscreen().then(() => hint.remove(), () => {}); // some browsers ask for a click
     page.addEventListener('keydown', (event) => {
-      if (event.key === 'f' || event.key === 'F') full();
+      if (event.key === 'f' || event.key === 'F') fill();
+      if ((event.key === ' ' || event.key === 'Enter') && !event.repeat) go(this.app);
       if (event.key === '.') this.black();
       if (event.key === 't' || event.key === 'T') this.check();
     });

@@ -976,6 +976,18 @@ def check_window(check, page):
             return [style.left, style.width, style.height, style.objectFit].join(' ').trim(); }); })()""")
     check("panel pixels are the screen's at any scale", placed == ["0px 1600px 1200px", "0px 1280px 960px", "9.6px 1280px 960px", "0px 100vw 100vh contain"], f"{placed}")
     page.click("#remove")
+    came = page.run("""(async () => { const popup = viewer.window.window, set = (name, value) => Object.defineProperty(popup, name, {value, configurable: true});
+        set('screenX', 1930), set('screenY', 40), set('innerWidth', 1024), set('innerHeight', 768);
+        popup.close();
+        for (let i = 0; i < 100 && !document.getElementById('toast').textContent.includes('Press W'); i++) await new Promise((done) => setTimeout(done, 20));
+        viewer.window.where.full = true;
+        const state = await checkState(viewer, JSON.parse(await stageText(viewer))), real = window.open; let asked = '';
+        window.open = (...given) => { asked = given[2]; return real('', '', 'popup,width=400,height=300'); };
+        await viewer.window.open(viewer.projector);
+        window.open = real;
+        return [asked, viewer.window.window.document.querySelector('p').textContent.slice(0, 17), state.window]; })()""")
+    check("a window that was closed comes back where it was", came == ["popup,width=1024,height=768,left=1930,top=40", "Click this window",
+          {"left": 1930, "top": 40, "full": True, "width": 1024, "height": 768}] and "Press W" in page.message(), f"{came}")
     page.run("viewer.scene.panel = null, viewer.window.close(), idle()")
 
 
