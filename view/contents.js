@@ -203,11 +203,12 @@ class SolidContent {
   free() {}
 }
 
-function startVideo(video, name) {
+// Resolves with its first frame; it plays when it is shown.
+function loadVideo(video, name) {
   video.loop = true, video.playsInline = true;
   return new Promise((resolve, reject) => {
     const late = setTimeout(() => reject(new Message(`${name} does not start.`)), 20000);
-    video.onloadeddata = () => { clearTimeout(late); playVideo(video); resolve(video); };
+    video.onloadeddata = () => { clearTimeout(late); resolve(video); };
     video.onerror = () => { clearTimeout(late); reject(new Message(`This browser cannot play ${name}.`)); };
   });
 }
@@ -262,7 +263,7 @@ async function contentOfFilm(file, name) {
   const url = URL.createObjectURL(file), video = document.createElement('video');
   video.src = url;
   try {
-    await startVideo(video, name);
+    await loadVideo(video, name);
   } catch (error) {
     URL.revokeObjectURL(url);
     throw error;
@@ -335,9 +336,10 @@ class StreamContent extends VideoContent {
     });
     this.video.srcObject = stream;
     for (const track of stream.getTracks()) track.onended = () => say(`${this.name} has ended; press its tile to start it again.`);
-    await startVideo(this.video, this.name).catch((error) => {
+    await loadVideo(this.video, this.name).catch((error) => {
       stream.getTracks().forEach((track) => track.stop());
       throw error;
     });
+    playVideo(this.video);
   }
 }

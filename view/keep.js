@@ -17,12 +17,13 @@ class Library {
     return this.add({id, name: content.name, blob: file, content});
   }
 
-  // A stream that waits for start(); there is one camera.
-  stream(live, id = null) {
-    const camera = live === 'camera' && this.entries.find((entry) => entry.live === live);
-    if (camera) return camera.content;
-    const content = new StreamContent(live);
-    return this.add({id, name: content.name, live, content});
+  addStream(content, id = null) { return this.add({id, name: content.name, live: content.kind, content}); }
+
+  // The camera, of which there is one, or a new stream, which becomes the library's once it runs.
+  async startStream(kind) {
+    const camera = kind === 'camera' && this.entries.find((entry) => entry.live === kind), content = camera ? camera.content : new StreamContent(kind);
+    if (!content.running) await content.start();
+    return content.file === undefined ? this.addStream(content) : content;
   }
 
   add(entry) {
@@ -294,7 +295,7 @@ async function loadStage(app, text) {
   for (const {id, name, type, data, live} of list('files', plain.files || [], 200)) {
     if (app.library.find(String(id))) continue;
     if (live) {
-      app.library.stream(oneOf('files: live', live, ['camera', 'screen']), String(id));
+      app.library.addStream(new StreamContent(oneOf('files: live', live, ['camera', 'screen'])), String(id));
       continue;
     }
     await app.library.take(new File([readBytes(String(data))], String(name), {type: String(type)}), String(id));
@@ -377,7 +378,7 @@ class Store {
     if (!kept) return false;
     const state = await checkState(this.app, JSON.parse(kept.text));
     for (const {id, name, blob, live} of kept.files)
-      if (live) this.app.library.stream(live, id);
+      if (live) this.app.library.addStream(new StreamContent(live), id);
       else await this.app.library.take(new File([blob], name, {type: blob.type}), id).catch(() => null);
     await applyState(this.app, state, true);
     return true;

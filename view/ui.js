@@ -279,14 +279,8 @@ function buildSources(app) {
     $('file').value = '';
     if (file) await showFile(app, file);
   });
-  const bring = async (live) => {
-    const content = app.library.stream(live);
-    if (!content.running) await content.start();
-    app.changed('streams');
-    await app.bring(content);
-  };
-  $('webcam').onclick = attempt(() => bring('camera'));
-  $('screen').onclick = attempt(() => bring('screen'));
+  $('webcam').onclick = attempt(() => app.bring(app.library.startStream('camera')));
+  $('screen').onclick = attempt(() => app.bring(app.library.startStream('screen')));
   $('solid').oninput = () => app.setContent(new SolidContent($('solid').value));
   const write = buildText(app);
   addEventListener('dragover', (event) => { event.preventDefault(); document.body.classList.add('dropping'); });

@@ -725,9 +725,9 @@ def check_keys(check, page):
     before, after = press(" ", "#ambient", "Space", 32, "viewer.ambient")
     press(" ", "#ambient", "Space", 32, "viewer.ambient")
     check("Space toggles a checkbox", before != after and page.run("viewer.ambient"), f"{before}, {after}")
-    before, after = press(" ", "details:nth-child(3) summary", "Space", 32, "document.querySelectorAll('details')[2].open")
+    before, after = press(" ", "#panel > details:nth-child(4) summary", "Space", 32, "document.querySelector('#panel > details:nth-child(4)').open")
     check("Space opens what is folded", not before and after, f"{before}, {after}")
-    page.run("document.querySelectorAll('details')[2].open = false")
+    page.run("document.querySelector('#panel > details:nth-child(4)').open = false")
     before, after = press("Home", "#exposure", "Home", 36, "viewer.exposure")
     check("Home is a slider's own", before == 0 and after == -4, f"{before}, {after}")
     page.run("document.activeElement.blur()")
@@ -878,6 +878,15 @@ def check_contents(check, page, folder):
         page.run(f"""new Promise((done) => {{ const v = viewer.projector.content.video; v.onseeked = () => done(true); v.currentTime = {at}; }})""")
         seen.append(page.pixels())
     check("a film plays on the object", change(*seen) > 1, f"{change(*seen):.2f} between its halves")
+    page.run("viewer.projector.content.video.currentTime = 0.9")
+    page.wait("!viewer.projector.content.video.seeking")
+    page.click("#film-from-now")
+    page.set("volume", "0.25")
+    page.run("(() => { const s = document.getElementById('seek'); s.value = 0; s.dispatchEvent(new Event('input')); })()")
+    page.wait("!viewer.projector.content.video.seeking && Math.abs(viewer.projector.content.video.currentTime - 0.9) < 0.06", 10)
+    part = page.run("(() => { const {volume, muted} = viewer.projector.content.video; return [volume, muted, viewer.projector.layer.film.from]; })()")
+    check("a film keeps to its part, as loud as it is set", part == [0.25, False, 0.9], f"{part}")
+    page.run("viewer.projector.layer.film = newFilm(); true")
     frames = lambda: page.run("""(async () => { const after = (ms) => new Promise((done) => setTimeout(done, ms));
         await Promise.race([idle(), after(4000)]);
         const before = viewer.frames; await after(300); return viewer.frames - before + viewer.pending; })()""")
@@ -892,6 +901,11 @@ def check_contents(check, page, folder):
     page.run("document.getElementById('webcam').click()")
     page.wait("viewer.projector.content.name === 'Camera'", 30)
     check("the webcam", change(white, page.pixels()) > 0.3)
+    page.run("navigator.mediaDevices.getDisplayMedia = async () => { const c = makeCanvas(64, 64), x = c.getContext('2d'); "
+             "setInterval(() => { x.fillStyle = '#00ff00'; x.fillRect(0, 0, 64, 64); }, 40); return c.captureStream(25); }; document.getElementById('screen').click()")
+    page.wait("viewer.projector.content.name === 'Screen'", 30)
+    tiles = page.run("[viewer.library.entries.filter((e) => e.live).map((e) => e.live), describeContent(viewer, viewer.projector.content).file === viewer.library.entries.at(-1).id]")
+    check("a screen, which a stage can name", tiles == [["camera", "screen"], True], f"{tiles}")
     page.run("viewer.setContent(new TestContent('White'))")
 
 
