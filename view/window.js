@@ -51,7 +51,7 @@ class ProjectorWindow {
   // Where the window is; one that fills its screen keeps the size that it had.
   notePlace() {
     const {screenX: left, screenY: top, innerWidth, innerHeight, document: {fullscreenElement}} = this.window, {width, height} = this.where || {};
-    this.where = {left, top, full: !!fullscreenElement, ...(fullscreenElement ? {width: width || 800, height: height || 600} : {width: innerWidth, height: innerHeight})};
+    this.where = {left, top, ...(fullscreenElement ? {width: width || 800, height: height || 600} : {width: innerWidth, height: innerHeight}), full: !!fullscreenElement};
   }
 
   furnish(page, full) {

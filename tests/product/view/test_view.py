@@ -637,7 +637,27 @@ def check_place(check, page):
     page.key("Enter", "Enter", windowsVirtualKeyCode=13)
     page.wait("viewer.show.at === 1")
     check("GO brings layers, places and correction of the next cue", first == [2, 0, "paint", True] and abs(shown[0] - 128) < 3 and mean(0, 0, 1, 1) == [255, 0, 0], f"{first} {shown} {mean(0, 0, 1, 1)}")
-    page.run("viewer.show.arm(false); viewer.show.cues = []; viewer.changed('cues'); setMode(viewer, 'camera'); viewer.setContent(new TestContent('White')); true")
+    page.run("viewer.window.open(viewer.projector)")
+    page.wait("viewer.window.isOpen")
+    page.run("viewer.show.cues[0].follow = 0.1, viewer.show.cues[1].follow = null, viewer.window.window.document.dispatchEvent(new viewer.window.window.KeyboardEvent('keydown', {key: ' '}))")
+    page.wait("viewer.show.at === 0")
+    page.wait("viewer.show.at === 1")
+    check("GO in the projector window, and a cue that follows", not page.run("viewer.show.playing"))
+    page.run("viewer.window.close(), viewer.show.go(0)")
+    page.wait("viewer.show.at === 1")
+    page.run("viewer.show.go(0).then(() => viewer.show.stop())")
+    same, refused = page.run("""(async () => { const text = JSON.stringify(plainState(stateOf(viewer))), plain = JSON.parse(text);
+        viewer.show.cues = []; viewer.setLayers([new Layer(new TestContent('White'))]);
+        await applyState(viewer, await checkState(viewer, JSON.parse(text)), true);
+        const again = JSON.stringify(plainState(stateOf(viewer))), at = [...text].findIndex((c, i) => c !== again[i]), same = at < 0 || [text.slice(at - 40, at + 40), again.slice(at - 40, at + 40)], refused = [];
+        for (const spoil of [(layer) => { layer.place.pull[0] = [0.9, 0.9]; }, (layer) => { layer.place.turn = 'round'; }, (layer) => { layer.fit = 'any'; }]) {
+            const bad = structuredClone(plain); spoil(bad.projectors[0].layers[1]);
+            refused.push(await checkState(viewer, bad).then(() => '', (error) => error.message)); }
+        return [same, refused]; })()""")
+    check("a stage keeps layers, places and cues", same is True and page.run("viewer.projector.layers.length") == 2, f"{same}")
+    check("broken layers are refused by name", ["pull" in refused[0], "turn" in refused[1], "fit" in refused[2]] == [True] * 3, f"{refused}")
+    page.run("viewer.show.arm(false); viewer.show.cues = []; viewer.changed('cues'); setMode(viewer, 'camera'); viewer.setLayers([new Layer(new TestContent('White'))]); true")
+    page.set("correction", "none")
     page.resize(520, 400)
 
 
