@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import gc
 import threading
 from pathlib import Path
@@ -304,20 +305,17 @@ def prepared(capture: ffprocams.Capture) -> layer.Prepared:
     return layer.Prepared.of(capture)
 
 
-def in_order(found: np.ndarray, all_of: np.ndarray, apart: float) -> list[int]:
-    """The row of all_of for each row of found, which are some of them in the same order."""
-    rows, at = [], 0
-    for centre in found:
-        while np.abs(all_of[at] - centre).max() > apart:
-            at += 1
-        rows.append(at)
-        at += 1
-    return rows
+def nearest(found: np.ndarray, all_of: np.ndarray) -> np.ndarray:
+    """The row of all_of nearest to each row of found."""
+    every = torch.from_numpy(all_of)
+    return torch.cat([torch.cdist(part, every).argmin(1) for part in torch.from_numpy(found).split(512)]).numpy()
 
 
 def test_the_network_gives_the_library_s_numbers(capture, prepared, tmp_path) -> None:  # type: ignore[no-untyped-def]
     """With the shipped weights, and with others that went back into the library and through a file."""
     network, worst = layer.Network(), {}
+    # What a look shows jumps where a splat comes into a view's sight: a few of them go apart.
+    share, limit = (0.99, 5e-3) if network.form.looks else (1.0, 3e-5)
     for tuned in (False, True):
         if tuned:
             with torch.no_grad():
@@ -328,19 +326,20 @@ def test_the_network_gives_the_library_s_numbers(capture, prepared, tmp_path) ->
             parts = network(prepared)
         model = tmp_path / "tuned.safetensors" if tuned else None
         theirs = ffprocams.reconstruct(capture, model, polish=0, layers=0)
-        rows = in_order(theirs.centre, parts.centre.numpy(), 1e-4 * capture.radius)
-        assert len(rows) > 0.9 * len(prepared)
+        rows = nearest(theirs.centre, parts.centre.numpy())
+        assert len(np.unique(rows)) > 0.9 * len(prepared)
         for name, array in theirs.arrays().items():
-            worst[name] = np.abs(getattr(parts, name).numpy()[rows] - array).max()
-            assert worst[name] < 3e-5 * (capture.radius if name in ("centre", "scale") else 1), (name, worst)
+            worst[name] = np.quantile(np.abs(getattr(parts, name).numpy()[rows] - array), share)
+            assert worst[name] < limit * (capture.radius if name in ("centre", "scale") else 1), (name, worst)
 
 
 def test_the_network_learns(prepared: layer.Prepared) -> None:
     """Gradients reach every weight that has a part in the result, and agree with a difference."""
     network = layer.Network()
+    network.form = network.form._replace(looks=0)  # differences would see through a look, gradients do not
     rows = torch.arange(0, len(prepared), 40)
-    few = layer.Prepared(prepared.inputs, prepared.used, prepared.row[rows], prepared.weight[rows],
-                         prepared.own[rows], prepared.context, prepared.base[rows], prepared.centre, prepared.radius)  # fmt: skip
+    few = dataclasses.replace(prepared, row=prepared.row[rows], weight=prepared.weight[rows],
+                              own=prepared.own[rows], base=prepared.base[rows])  # fmt: skip
 
     def loss() -> torch.Tensor:
         parts = network(few)
@@ -348,7 +347,8 @@ def test_the_network_learns(prepared: layer.Prepared) -> None:
 
     loss().backward()
     without = {name for name, p in network.named_parameters() if p.grad is None or not p.grad.abs().max() > 0}
-    assert without == {"pixel_context"}  # the sample's tokens are of its own pixels
+    # The sample's tokens are of its own pixels.
+    assert {name for name in without if not name.startswith("look_")} == {"pixel_context"}
     for name in ("blocks.3.qkv", "blocks.2.reverse.a_log"):
         weight = network.at(name)
         assert weight.grad is not None
