@@ -314,7 +314,7 @@ def nearest(found: np.ndarray, all_of: np.ndarray) -> np.ndarray:
 def test_the_network_gives_the_library_s_numbers(capture, prepared, tmp_path) -> None:  # type: ignore[no-untyped-def]
     """With the shipped weights, and with others that went back into the library and through a file."""
     network, worst = layer.Network(), {}
-    # What a look shows jumps where a splat comes into a view's sight: a few of them go apart.
+    # A look jumps where a splat comes into a view's sight: a few splats go apart.
     share, limit = (0.99, 5e-3) if network.form.looks else (1.0, 3e-5)
     for tuned in (False, True):
         if tuned:
