@@ -22,9 +22,9 @@ typedef struct FfpLookPhotographs {
 
 // Of the first `views` views under black, white and the active pattern; made on the CPU.
 FfpLookPhotographs *ffp_look_photographs_new(const FfpCapture *capture, int views, int active);
-FfpLookPhotographs *ffp_look_photographs_uploaded(const FfpLookPhotographs *here);
-void ffp_look_photographs_free(
-    FfpLookPhotographs *photographs); // by who works on the device they are on; NULL is allowed
+FfpLookPhotographs *ffp_look_photographs_uploaded(const FfpLookPhotographs *here); // to the device in use
+// By who works on the device they are on; NULL is allowed.
+void ffp_look_photographs_free(FfpLookPhotographs *photographs);
 
 // numbers [views,height,width,FFP_LOOK_NUMBERS]: every view is drawn once, under black, white and the
 // pattern.

@@ -47,7 +47,8 @@ FfpPixelLayers ffp_pixel_layers(FfpHead *head, int64_t first, int count, const F
                             FFP_CONTEXT_CHANNELS};
 }
 
-// hidden [count, width] += more weight^T, weight [width, columns].
+// hidden [count, width] += more weight^T, weight [width, columns]. A look's many inputs make a product; for
+// the context's two a loop is faster.
 static void add_more(real *hidden, const FfpPixelLayers *layers, const real *weight, int count, int width) {
     const int columns = layers->columns;
     if (columns != FFP_CONTEXT_CHANNELS) {

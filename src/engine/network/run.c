@@ -285,7 +285,7 @@ static void look(FfpRun *run, const FfpModel *model, int round) {
     }
     ffp_look(maps, at->pass, &run->gaussians, p);
     const FfpLookInputs looked = {ffp_look_maps(p, maps), prepared ? prepared->pixel_there : run->pixel,
-                              run->gaussians.centre, at->pixels.raw, numbers};
+                                  run->gaussians.centre, at->pixels.raw, numbers};
     for (int64_t first = 0; first < at->pixels.count; first += ffp_head_block()) {
         const int count = block_count(at, first);
         real *seen = at->seen[round] + (at->backward ? first * width : 0);
