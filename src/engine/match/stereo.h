@@ -17,14 +17,13 @@ typedef struct FfpStereo {
 
 // A plane of the sweep, as a neighbour sees it.
 typedef struct FfpStereoPlane {
-    size_t count;        // the view's pixels that are compared,
-    const size_t *pixel; // [count] y * width + x, both pictures' width
-    const real *line[6]; // [count] each: u, v and w of FfpLine, at the inverse depth `at`
-    real at;
-    const FfpStereoCell *own, *theirs; // [h,w]
     FfpStereoCell weight;              // of the channels; their sum is 1
+    size_t count;                      // the view's pixels that are compared,
+    const size_t *pixel;               // [count] y * width + x, both pictures' width
+    const real *line[6];               // [count] each: u, v and w of FfpLine, at the inverse depth `at`
+    const FfpStereoCell *own, *theirs; // [h,w]
+    real at, right, bottom; // right, bottom: of the neighbour's pixels; positions from there on are outside
     int width;
-    real right, bottom; // of the neighbour's pixels; positions from there on are outside
 } FfpStereoPlane;
 // single [h,w] at the pixels: their cost, the weighted difference in [0,1]; -1 where the neighbour does not
 // see the point.
