@@ -112,7 +112,7 @@ void ffp_look_gather(real *out, const FfpLookInputs *l, int64_t first, int count
         ffp_device()->network->look_gather(out, l, first, count);
         return;
     }
-    const size_t width = (size_t)(FFP_LOOK_SEEN + l->numbers);
+    const size_t width = (size_t)FFP_LOOK_SEEN + (size_t)l->numbers;
 #pragma omp parallel for schedule(static)
     for (int64_t g = first; g < first + count; g++)
         ffp_look_inputs(out + (size_t)(g - first) * width, &l->maps, l->pixel[g], l->centre + 3 * g,
