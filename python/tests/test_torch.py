@@ -305,10 +305,15 @@ def prepared(capture: ffprocams.Capture) -> layer.Prepared:
     return layer.Prepared.of(capture)
 
 
-def nearest(found: np.ndarray, all_of: np.ndarray) -> np.ndarray:
-    """The row of all_of nearest to each row of found."""
-    every = torch.from_numpy(all_of)
-    return torch.cat([torch.cdist(part, every).argmin(1) for part in torch.from_numpy(found).split(512)]).numpy()
+def in_order(found: np.ndarray, all_of: np.ndarray, apart: float) -> list[int]:
+    """The row of all_of for each row of found, which are some of them in the same order."""
+    rows, at = [], 0
+    for centre in found:
+        while np.abs(all_of[at] - centre).max() > apart:
+            at += 1
+        rows.append(at)
+        at += 1
+    return rows
 
 
 def test_the_network_gives_the_library_s_numbers(capture, prepared, tmp_path) -> None:  # type: ignore[no-untyped-def]
@@ -324,8 +329,8 @@ def test_the_network_gives_the_library_s_numbers(capture, prepared, tmp_path) ->
             parts = network(prepared)
         model = tmp_path / "tuned.safetensors" if tuned else None
         theirs = ffprocams.reconstruct(capture, model, polish=0, layers=0)
-        rows = nearest(theirs.centre, parts.centre.numpy())
-        assert len(np.unique(rows)) > 0.9 * len(prepared)
+        rows = in_order(theirs.centre, parts.centre.numpy(), 1e-4 * capture.radius)
+        assert len(rows) > 0.9 * len(prepared)
         for name, array in theirs.arrays().items():
             worst[name] = np.abs(getattr(parts, name).numpy()[rows] - array).max()
             assert worst[name] < 3e-5 * (capture.radius if name in ("centre", "scale") else 1), (name, worst)
