@@ -199,7 +199,8 @@ void ffp_head_backward(real *dmap, real *grad, FfpHead *head, int64_t first, int
         gather_features(head->gathered, head, first, count, map, &model->config);
         ffp_memory_zero(head->dgathered, (size_t)count * head->widths.features * sizeof(real));
         FfpPixelLayers layers = ffp_pixel_layers(head, first, count, model);
-        ffp_pixel_layers_backward(head->dgathered, grad, head, &layers, count, draw, model);
+        if (!head->looks_only)
+            ffp_pixel_layers_backward(head->dgathered, grad, head, &layers, count, draw, model);
         for (int i = 0; i < model->config.looks; i++) {
             layers = look_layers(head, seen[i] + first * (FFP_LOOK_SEEN + head->widths.numbers), i, model);
             ffp_pixel_layers_backward(head->dgathered, grad, head, &layers, count, draw, model);

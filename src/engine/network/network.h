@@ -102,6 +102,7 @@ typedef struct FfpRun {
     // Blocks keep only their inputs, and are run again for their gradients (Chen et al. 2016, section 4):
     // about a third more work, the memory of two blocks instead of all, the same bits.
     bool recompute;
+    bool looks_only; // ffp_model_backward gives the gradients of the looks' layers alone
     // Called repeatedly by ffp_model_backward, or NULL: grad_values is complete from `first` on. `first`
     // decreases down to 0.
     void (*ready)(void *user, int64_t first);

@@ -244,6 +244,7 @@ static void head_backward(FfpActivations *at, real *grad_values, const FfpModel 
         ffp_head_backward(at->dfeatures, grad_values, &at->head, first, count, at->draw, at->features,
                           at->seen, model);
     }
+    if (at->head.looks_only) return;
     ffp_head_features_backward(at->dfinal, grad_values, &at->head, at->dfeatures, at->final, model);
     if (!mixed) return;
     ffp_head_features_backward(at->mixer.dout, grad_values, &at->head, at->mixer.dfeatures, at->mixer.out,
@@ -409,7 +410,12 @@ void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *
     prepare_backward(at);
     FfpProfileTimes *times = run->profile ? &run->profile->backward : &at->unread;
     double last = ffp_seconds();
+    at->head.looks_only = run->looks_only;
     head_backward(at, grad_values, model, grad, grad_t);
+    if (run->looks_only) {
+        tell_ready(run, 0);
+        return;
+    }
     ffp_layernorm_backward(at->dstream, grad_values + layout->final_norm, at->dfinal, at->stream[at->blocks],
                            at->final_mean, at->final_rstd, model->values + layout->final_norm, rows, dim);
     ffp_lap(&last, &times->heads);

@@ -96,6 +96,8 @@ static const Field train_fields[] = {
      "a step with a norm above this multiple of `clip` is skipped"},
     {"ema", DOUBLE, AT(ema), 0, 0.999999, "decay of the weights' average"},
     {"warmup_steps", INT, AT(warmup_steps), 0, 1e9, "steps of the linear warm-up"},
+    {"looks_only", BOOL, AT(looks_only), 0, 1,
+     "only the layers of the model's looks learn; all other weights stay as they are"},
     {"recompute", BOOL, AT(recompute), 0, 1,
      "keep only the inputs of the blocks and run them again in the backward pass: less memory, same bits"},
     {"validate_every", INT, AT(validate_every), 0, 1e9, "steps between validations; 0: none"},
@@ -363,6 +365,8 @@ static bool check_together(const FfpTrainConfig *c, const char *where, FfpError 
     if (c->captures[0] && c->scenes[0])
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "captures").text,
                         "captures and scenes cannot be combined");
+    if (c->looks_only && c->model.looks == 0)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "looks_only").text, "the model has no looks");
     return (!c->captures[0] || check_with_captures(c, where, err)) && check_mixture(c, where, err);
 }
 

@@ -10,7 +10,8 @@ static FfpAdam upload_adam(const FfpAdam *adam) {
                      ffp_memory_uploaded(adam->m, count, sizeof(real)),
                      ffp_memory_uploaded(adam->v, count, sizeof(real)),
                      ffp_memory_uploaded(adam->ema, count, sizeof(real)),
-                     adam->first};
+                     adam->first,
+                     adam->learning};
 }
 
 FfpMirror *ffp_mirror_new(const FfpModel *model, const FfpAdam *adam, const FfpTrainConfig *config) {

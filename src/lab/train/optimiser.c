@@ -15,6 +15,7 @@ FfpAdam ffp_adam_new(const FfpModel *model) {
                     ffp_alloc(count, sizeof(real)),
                     ffp_alloc(count, sizeof(real)),
                     ffp_alloc(count, sizeof(real)),
+                    0,
                     0};
     memcpy(adam.ema, model->values, count * sizeof(real));
     return adam;
@@ -51,15 +52,20 @@ double ffp_learning_rate(const FfpTrainConfig *config, int64_t step) {
            0.5 * (config->learning_rate - config->final_learning_rate) * (1 + cos(FFP_PI_DOUBLE * done));
 }
 
-double ffp_adam_squares(const FfpAdam *adam, const real *grad) {
-    return ffp_squared_norm(grad + adam->first, adam->count);
+static int64_t larger(int64_t a, int64_t b) {
+    return a > b ? a : b;
 }
 
-// The weights of one parameter that the state is of.
+double ffp_adam_squares(const FfpAdam *adam, const real *grad) {
+    const int64_t from = larger(adam->first, adam->learning), end = adam->first + adam->count;
+    return ffp_squared_norm(grad + from, larger(end - from, 0));
+}
+
+// The weights of one parameter that the state is of and that learn.
 static void move_parameter(const FfpAdam *adam, const FfpParameter *parameter, FfpModel *model,
                            const real *grad, const FfpAdamStep *step) {
     const int64_t end = parameter->offset + parameter->count, own_end = adam->first + adam->count;
-    const int64_t from = parameter->offset > adam->first ? parameter->offset : adam->first;
+    const int64_t from = larger(parameter->offset, larger(adam->first, adam->learning));
     const FfpAdamArray array = {.step = *step,
                                 .count = (end < own_end ? end : own_end) - from,
                                 .x = model->values + from,

@@ -58,6 +58,7 @@ FfpTrainStep *ffp_train_step_new(const FfpTrainConfig *config, const FfpPerceptu
     s->run = ffp_run_new(true);
     s->run->profile = &s->profile;
     s->run->recompute = config->recompute;
+    s->run->looks_only = config->looks_only;
     s->pass = ffp_view_pass_new(&s->settings);
     return s;
 }

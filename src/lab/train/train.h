@@ -63,6 +63,7 @@ typedef struct FfpTrainConfig {
     // AdamW.
     double learning_rate, final_learning_rate, beta1, beta2, weight_decay, clip, skip_above, ema;
     int warmup_steps;
+    bool looks_only;
     bool recompute; // blocks of the network keep their inputs alone (FfpRun)
 
     // Reports.
@@ -220,11 +221,12 @@ FfpRun *ffp_train_step_run(FfpTrainStep *stepper);
 bool ffp_train_step_loss(FfpTrainStep *stepper, const FfpModel *model, const FfpScene *scene, int64_t draw,
                          FfpLosses *losses, real *grad, FfpError *err);
 
-// The optimiser's state of the weights `first` to first + count - 1.
+// The optimiser's state of the weights `first` to first + count - 1, of which those before `learning` stay as
+// they are.
 typedef struct FfpAdam {
     int64_t count, step;
     real *m, *v, *ema; // [count]
-    int64_t first;
+    int64_t first, learning;
 } FfpAdam;
 FfpAdam ffp_adam_new(const FfpModel *model); // of all weights
 void ffp_adam_free(FfpAdam *adam);
@@ -236,7 +238,7 @@ double ffp_learning_rate(const FfpTrainConfig *config,
 // * clip, only the step count changes (*skipped).
 double ffp_adam_update(FfpAdam *adam, FfpModel *model, const real *grad, const FfpTrainConfig *config,
                        bool *skipped);
-// Its two halves: the sum of squares of its weights' gradients; and the update, given the norm of all. `grad`
+// Its two halves: the sum of squares of the gradients of its weights that learn; and the update, given the norm of all. `grad`
 // is a sum over config->batch scenes, of which the norm is that of the mean.
 double ffp_adam_squares(const FfpAdam *adam, const real *grad);
 void ffp_adam_move_all(FfpAdam *adam, FfpModel *model, const real *grad, const FfpTrainConfig *config,

@@ -70,6 +70,14 @@ static bool take_captures(FfpTrainConfig *config, const char *path, FfpError *er
     return true;
 }
 
+// Where the layers of the looks begin, which are a model's last.
+static int64_t first_of_looks(const FfpModel *model) {
+    int64_t first = model->count;
+    for (int i = model->n_parameters - 1; i >= 0; i--)
+        if (strncmp(model->parameters[i].name, "look.", 5) == 0) first = model->parameters[i].offset;
+    return first;
+}
+
 // The model and its configuration: from the checkpoint, from given weights, or new.
 static bool open_model(Trainer *trainer, const FfpTrainRun *options, FfpError *err) {
     FfpTrainConfig *config = &trainer->config;
@@ -133,6 +141,7 @@ static bool open_share(Trainer *trainer, FfpError *err) {
 bool ffp_trainer_open(Trainer *trainer, const FfpTrainRun *options, FfpError *err) {
     trainer->out = options->out;
     if (!open_model(trainer, options, err)) return false;
+    if (trainer->config.looks_only) trainer->adam.learning = first_of_looks(trainer->model);
     if (options->perceptual && !(trainer->perceptual = ffp_perceptual_read(options->perceptual, err)))
         return false;
     if (!options->perceptual && trainer->config.perceptual > 0)

@@ -291,6 +291,48 @@ static void test_overfit(void **state) {
     ffp_scene_close(&scene);
 }
 
+static FfpModel *weights_after(const char *name, const char *text) {
+    char path[FFP_PATH_MAX];
+    assert_true(ffp_write_file(in_scratch("config.json"), text, strlen(text), NULL));
+    train(in_scratch(name), in_scratch("config.json"), 0, false);
+    snprintf(path, sizeof path, "%s/weights.safetensors", in_scratch(name));
+    FfpModel *model = ffp_model_read(path, NULL);
+    assert_non_null(model);
+    return model;
+}
+
+// With looks_only the other weights keep their bits, and the looks' move as far as they do without.
+static void test_looks_only(void **state) {
+    (void)state;
+    static const char run[] =
+        "{\"model\": {\"preset\": \"tiny\", \"looks\": 1}, \"resolution\": 64, \"pool\": 1, \"views\": 4, "
+        "\"targets\": 1, \"lollipops\": 2, \"pattern_side\": 200, \"samples\": 1, \"ambient_rays\": 1, "
+        "\"supervised_inputs\": 1, \"supervised_targets\": 1, \"warmup_steps\": 0, \"clip\": 1e6, \"ema\": 0, "
+        "\"validate_every\": 0, \"steps\": 1, \"learning_rate\": ";
+    char text[sizeof run + 64];
+    snprintf(text, sizeof text, "%s0}", run);
+    FfpModel *before = weights_after("before", text);
+    snprintf(text, sizeof text, "%s1e-3}", run);
+    FfpModel *all = weights_after("all", text);
+    snprintf(text, sizeof text, "%s1e-3, \"looks_only\": true}", run);
+    FfpModel *looks = weights_after("looks", text);
+    int moved = 0, kept = 0;
+    for (int i = 0; i < before->n_parameters; i++) {
+        const FfpParameter *p = &before->parameters[i];
+        const bool look = strncmp(p->name, "look.", 5) == 0;
+        const FfpModel *same = look ? all : before;
+        assert_memory_equal(looks->values + p->offset, same->values + p->offset,
+                            (size_t)p->count * sizeof(real));
+        const bool differs = memcmp(all->values + p->offset, before->values + p->offset,
+                                    (size_t)p->count * sizeof(real)) != 0;
+        *(look ? &moved : &kept) += differs;
+    }
+    assert_true(moved > 0 && kept > 0);
+    ffp_model_free(before);
+    ffp_model_free(all);
+    ffp_model_free(looks);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_refusals),
@@ -298,6 +340,7 @@ int main(void) {
         cmocka_unit_test(test_generators),
         cmocka_unit_test(test_training_looks_through_the_polish),
         cmocka_unit_test(test_weights_of_any_name),
+        cmocka_unit_test(test_looks_only),
         cmocka_unit_test(test_a_gradient_that_is_no_number),
         cmocka_unit_test(test_metrics_that_cannot_be_written),
         cmocka_unit_test(test_overfit),
