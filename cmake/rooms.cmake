@@ -38,7 +38,7 @@ ffp_room(refine NUMERIC DEPS loss render gaussians tensor capture image base)
 ffp_room(align DEPS network match render capture image numerics base)
 # compensated projections and correspondence maps
 ffp_room(apply DEPS loss render gaussians tensor capture image numerics base)
-# what the calls of the public header do, from end to end: reconstruct, draw pictures, and what it takes
+# what the calls of the public headers do, from end to end: reconstruct, draw pictures, and what it takes
 ffp_room(pipeline CALLS DEPS align apply refine render network match denoise gaussians capture image numerics base)
 # the GPU: kernels of the numeric rooms, and their emulation for tests
 ffp_room(cuda IN cuda.cmake DEPS refine loss network render tensor image base)
@@ -94,12 +94,12 @@ ffp_room(view CALLS DEPS pipeline render gaussians capture base)
 ffp_room(export CALLS DEPS pipeline apply render gaussians capture image numerics base LIBS PkgConfig::JANSSON PkgConfig::ZLIB)
 # what a file holds, as text for people
 ffp_room(describe CALLS DEPS checks findings masks baselines network gaussians capture base)
-# the calls of the public header, one file per call: arguments checked, the call entered, structs translated, one function called
+# the calls of the public headers, one file per call: arguments checked, the call entered, structs translated, one function called
 ffp_room(api CALLS DEPS describe eval pipeline bench view export selfcal calibrate import checks findings baselines train synth patterns loss render
          network gaussians capture image base cuda LIBS PkgConfig::JANSSON PkgConfig::ZLIB)
 # the ranks of an MPI job: part of the program where it is built with MPI
 ffp_room(cluster IN library.cmake)
 # a server and its page, from a bare rig to the relit object, by the program's other commands
 ffp_room(studio IN library.cmake)
-# the program, a file per command; like anybody's, it sees the public header alone
+# the program, a file per command; like anybody's, it sees the public headers alone
 ffp_room(cli IN library.cmake DEPS cluster studio)

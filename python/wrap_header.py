@@ -1,6 +1,6 @@
-"""wrap_header.py INCLUDE OUT.c: writes the extension module's C source from the public header.
+"""wrap_header.py INCLUDE OUT.c: writes the extension module's C source from the public headers.
 
-Python sees all that the header declares: nothing is listed twice.
+Python sees all that the headers declare: nothing is listed twice.
 """
 
 import re
@@ -8,14 +8,6 @@ import sys
 from pathlib import Path
 
 from cffi import FFI
-
-HEADERS = (
-    "ffprocams/error.h",
-    "ffprocams/findings.h",
-    "ffprocams/context.h",
-    "ffprocams.h",
-    "ffprocams/baselines.h",
-)
 
 # The functions of FfpContextSettings, in Python (ffprocams/_call.py).
 CALLBACKS = """
@@ -32,13 +24,23 @@ def declarations(header: str) -> str:
     return text.replace("FFP_API ", "")
 
 
+def headers(include: Path, name: str, seen: list[str]) -> list[str]:
+    """The texts of a header and of those that it includes, each once, after those that it includes."""
+    if name in seen:
+        return []
+    seen.append(name)
+    text = (include / name).read_text(encoding="utf-8")
+    included = re.findall(r'^#include "(.*)"', text, re.MULTILINE)
+    return [part for other in included for part in headers(include, other, seen)] + [text]
+
+
 def main() -> None:
     include, out = Path(sys.argv[1]), sys.argv[2]
     ffi = FFI()
-    for name in HEADERS:
-        ffi.cdef(declarations((include / name).read_text(encoding="utf-8")))
+    for header in headers(include, "ffprocams.h", []):
+        ffi.cdef(declarations(header))
     ffi.cdef(CALLBACKS)
-    ffi.set_source("ffprocams._library", '#include "ffprocams/baselines.h"\n')
+    ffi.set_source("ffprocams._library", '#include "ffprocams.h"\n')
     ffi.emit_c_code(out)
 
 

@@ -52,7 +52,7 @@ class Parts(NamedTuple):
 class Prepared:
     """The network's inputs from a capture, as tensors: noise filtered, matched, with the classical initialisation. It
     depends on a model's configuration, not on its weights: make it once, and run the network on it any number of times.
-    ``FfpPreparedArrays`` in ffprocams.h describes the fields."""
+    ``FfpPreparedArrays`` in ffprocams/gradients.h describes the fields."""
 
     inputs: Tensor  #: [tokens,patch^2 channels]
     used: Tensor  #: [n] tokens that the Gaussians take features from

@@ -7,7 +7,7 @@
 #include "core/image/named.h"
 #include "ffprocams.h" // options and results, types alone (reconstruct.h says why)
 
-// The work of ffp_map_images (ffprocams.h), for a view's devices. `stats` may be NULL.
+// The work of ffp_map_images (ffprocams/render.h), for a view's devices. `stats` may be NULL.
 FfpImages *ffp_maps_of_view(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *view,
                             FfpDrawing drawing, FfpMapStats *stats, FfpError *err);
 // True if a view's maps fit into memory, asked before the work; and the work, with any projector.

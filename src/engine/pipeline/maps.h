@@ -12,7 +12,7 @@ const char *ffp_map_name(FfpMap map);
 FfpImage ffp_map_picture(const FfpGbuffer *gbuffer, FfpMap map);
 // Camera z in world units, one channel, 0 where the opacity is below one half.
 FfpImage ffp_map_depth(const FfpGbuffer *gbuffer);
-// The values of ffp_renderer_map (ffprocams.h): means over each pixel, distortion sums.
+// The values of ffp_renderer_map (ffprocams/render.h): means over each pixel, distortion sums.
 int ffp_map_width(FfpMap map); // numbers of a pixel
 void ffp_map_values(const FfpGbuffer *gbuffer, FfpMap map, float *out);
 // ADDS to the G-buffer's gradient, from that of the values. Which pixels have a surface is a constant.

@@ -6,7 +6,7 @@
 #include "core/gaussians/gaussians.h"
 #include "ffprocams.h" // options, types alone (reconstruct.h says why)
 
-// The work of ffp_render_pictures (ffprocams.h): the number of pictures written, or -1.
+// The work of ffp_render_pictures (ffprocams/render.h): the number of pictures written, or -1.
 int ffp_pictures_run(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpPictures *options,
                      FfpError *err);
 

@@ -10,7 +10,7 @@
 #include "engine/network/network.h"
 #include "ffprocams.h"
 
-// The work of ffp_reconstruct (ffprocams.h), in the capture's own units. `stats` may be NULL.
+// The work of ffp_reconstruct (ffprocams/reconstruct.h), in the capture's own units. `stats` may be NULL.
 FfpGaussians *ffp_reconstruction_run(const FfpCapture *capture, const FfpReconstruction *options,
                                      FfpReconstructionStats *stats, FfpError *err);
 

@@ -5,7 +5,7 @@
 #include "core/base/file.h"
 #include "engine/loss/loss.h"
 #include "engine/pipeline/relight.h"
-#include "ffprocams/baselines.h"
+#include "ffprocams/lab.h"
 #include "lab/baselines/field.h"
 #include "lab/eval/report.h"
 
@@ -49,7 +49,7 @@ const FfpGbuffer *ffp_subject_gbuffer(const FfpSubject *subject);
 void ffp_subject_free_drawing(FfpSubject *subject);
 
 // Predicts, measures, reports and saves the pictures of "rendering", "novel_pattern" or "novel_pose"
-// (ffprocams.h), and adds a row to the scores if there are any; for "rendering" also "unseen" and
+// (ffprocams/render.h), and adds a row to the scores if there are any; for "rendering" also "unseen" and
 // "given". The explanation is for the report.
 bool ffp_run_protocol(FfpSubject *subject, const char *name, const char *explanation, FfpError *err);
 

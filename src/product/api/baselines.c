@@ -1,6 +1,6 @@
-// The methods to compare with (ffprocams/baselines.h), fitted to a capture's pictures in the capture's own
+// The methods to compare with (ffprocams/lab.h), fitted to a capture's pictures in the capture's own
 // units.
-#include "ffprocams/baselines.h"
+#include "ffprocams/lab.h"
 #include "core/base/call.h"
 #include "core/base/file.h"
 #include "engine/pipeline/fit.h"

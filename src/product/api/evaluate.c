@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 #include "core/base/call.h"
-#include "ffprocams/baselines.h"
+#include "ffprocams/lab.h"
 #include "product/api/arguments.h"
 #include "product/api/memory.h"
 

@@ -1,4 +1,4 @@
-// The handles of the public header: opening, saving, closing.
+// The handles of the public headers: opening, saving, closing.
 #include <stdio.h>
 #include <stdlib.h>
 #include "core/base/arena.h"

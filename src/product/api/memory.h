@@ -1,4 +1,4 @@
-// Conversions between the public header's types for memory and the rooms' own.
+// Conversions between the public headers' types for memory and the rooms' own.
 #ifndef FFP_API_MEMORY_H
 #define FFP_API_MEMORY_H
 

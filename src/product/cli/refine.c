@@ -3,7 +3,7 @@
 #include <string.h>
 #include <strings.h>
 #include "cli.h"
-#include "ffprocams/baselines.h"
+#include "ffprocams/lab.h"
 
 enum { FROM_GAUSSIANS = 1, FROM_FIELD }; // what is fitted from scratch
 

@@ -6,7 +6,7 @@
 #include "core/gaussians/gaussians.h"
 #include "ffprocams.h"
 
-// The work of ffp_export (ffprocams.h). `stats` may be NULL.
+// The work of ffp_export (ffprocams/render.h). `stats` may be NULL.
 bool ffp_export_run(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpExport *options,
                     FfpExportStats *stats, FfpError *err);
 

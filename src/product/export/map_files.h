@@ -6,7 +6,7 @@
 #include "core/gaussians/gaussians.h"
 #include "ffprocams.h"
 
-// The work of ffp_write_maps (ffprocams.h): the number of files, or -1.
+// The work of ffp_write_maps (ffprocams/render.h): the number of files, or -1.
 int ffp_maps_run(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpMaps *options,
                  FfpMapStats *stats, FfpError *err);
 

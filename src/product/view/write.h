@@ -6,7 +6,7 @@
 #include "core/gaussians/gaussians.h"
 #include "ffprocams.h"
 
-// The work of ffp_write_page (ffprocams.h). `stats` may be NULL.
+// The work of ffp_write_page (ffprocams/render.h). `stats` may be NULL.
 bool ffp_page_run(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpPage *options,
                   FfpPageStats *stats, FfpError *err);
 

@@ -7,7 +7,7 @@
 
 #define FFP_CODES_MOST 32 // photographs of Gray codes that are kept for fits
 
-// The work of ffp_import_capture (ffprocams.h): a capture folder, whole or not at all. Errors name the
+// The work of ffp_import_capture (ffprocams/rig.h): a capture folder, whole or not at all. Errors name the
 // setting, or file and field.
 bool ffp_import(const FfpImport *options, FfpError *err);
 

@@ -7,7 +7,7 @@
 #include "rig/selfcal/bundle.h"
 #include "rig/selfcal/turning.h"
 
-// The work of ffp_self_calibrate (ffprocams.h). `stats` may be NULL.
+// The work of ffp_self_calibrate (ffprocams/rig.h). `stats` may be NULL.
 bool ffp_self_calibration_run(const FfpSelfCalibration *options, FfpSelfCalibrationStats *stats,
                               FfpError *err);
 

@@ -7,7 +7,7 @@
 #include "engine/network/network.h"
 #include "engine/render/pass.h"
 #include "ffprocams.h"
-#include "ffprocams/baselines.h"
+#include "ffprocams/lab.h"
 #include "world/synth/synth.h"
 
 static const FfpDevice *device;

@@ -1,6 +1,6 @@
 // Arguments that a caller in C leaves out, or sets to values that do not exist, are named: no call falls over
 // them.
-#include "ffprocams/baselines.h"
+#include "ffprocams/lab.h"
 #include "initialised.h"
 
 static FfpError err;

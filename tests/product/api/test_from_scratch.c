@@ -1,6 +1,6 @@
 // A fit without a prediction through the public header: it can be left while its points are still drawn.
 #include <string.h>
-#include "ffprocams/baselines.h"
+#include "ffprocams/lab.h"
 #include "small.h"
 
 typedef struct Caller {

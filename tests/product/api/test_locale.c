@@ -2,7 +2,7 @@
 // calibrations are read.
 #include <ctype.h>
 #include "comma.h"
-#include "ffprocams/baselines.h"
+#include "ffprocams/lab.h"
 #include "initialised.h"
 
 static void write_page(const char *path, FfpError *err) {

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 #include "core/base/file.h"
-#include "ffprocams/baselines.h"
+#include "ffprocams/lab.h"
 #include "lab/baselines/field.h"
 #include "small.h"
 

@@ -4,7 +4,7 @@
 #include <unistd.h>
 #include "core/gaussians/gaussians.h"
 #include "ffprocams.h"
-#include "ffprocams/baselines.h"
+#include "ffprocams/lab.h"
 #include "support.h"
 
 #define SAMPLE FFP_SOURCE_DIR "/data/sample"
