@@ -5,7 +5,7 @@ target_compile_options(ffp_native INTERFACE -msimd128)
 add_executable(engine wasm/engine.c)
 set_target_properties(engine PROPERTIES OUTPUT_NAME module C_EXTENSIONS ON) # MAIN_THREAD_EM_ASM
 target_link_libraries(engine PRIVATE ffp_api ffp_compile)
-target_include_directories(engine PRIVATE include)
+target_include_directories(engine PRIVATE ${FFP_INCLUDE})
 # -O1: the objects are optimised already, and more takes minutes here. Memory as it is needed, up to what 32-bit addresses reach.
 target_link_options(engine PRIVATE -O1 -sMODULARIZE=1 -sEXPORT_NAME=makeEngine -sENVIRONMENT=worker -sALLOW_MEMORY_GROWTH=1 -sINITIAL_MEMORY=268435456 -sMAXIMUM_MEMORY=4294967296
                     -sTOTAL_STACK=8388608 -sFORCE_FILESYSTEM=1 -sEXPORTED_RUNTIME_METHODS=FS,ccall,UTF8ToString

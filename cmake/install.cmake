@@ -14,7 +14,7 @@ install(TARGETS ffprocams_shared EXPORT ffprocams-shared
 install(TARGETS ffprocams_static EXPORT ffprocams-static
         ARCHIVE COMPONENT development INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS ${modules} LIBRARY DESTINATION ${module_folder} COMPONENT runtime)
-install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ ${PROJECT_BINARY_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN "*.h")
 install(FILES models/small.safetensors models/README.md DESTINATION ${data_folder}/models COMPONENT runtime)
 install(DIRECTORY data/sample data/sculpture DESTINATION ${data_folder} COMPONENT runtime)
 if(TARGET ffprocams_pages)

@@ -4,7 +4,7 @@
 function(ffp_module name room source)
   add_library(ffprocams_${name} MODULE ${source})
   set_target_properties(ffprocams_${name} PROPERTIES OUTPUT_NAME ffprocams-${name} CXX_STANDARD 17)
-  target_include_directories(ffprocams_${name} PRIVATE src include)
+  target_include_directories(ffprocams_${name} PRIVATE src ${FFP_INCLUDE})
   target_link_libraries(ffprocams_${name} PRIVATE ffp_compile ffp_native ${ARGN})
   add_dependencies(ffp_${room} ffprocams_${name}) # whoever can load it has it
   set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY FFP_MODULES ffprocams_${name})

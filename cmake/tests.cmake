@@ -55,7 +55,7 @@ if(CMOCKA_FOUND)
 endif()
 
 # Tests of what the library looks like from outside: its headers, its examples, and what is installed.
-add_test(NAME headers COMMAND ${PROJECT_SOURCE_DIR}/script/test-headers ${CMAKE_C_COMPILER} ${CMAKE_CXX_COMPILER})
+add_test(NAME headers COMMAND ${PROJECT_SOURCE_DIR}/script/test-headers ${PROJECT_BINARY_DIR} ${CMAKE_C_COMPILER} ${CMAKE_CXX_COMPILER})
 
 add_subdirectory(examples)
 add_test(NAME example_reconstruct

@@ -25,12 +25,15 @@
 #include "ffprocams/reconstruct.h"
 #include "ffprocams/render.h"
 #include "ffprocams/rig.h"
+#include "ffprocams/version.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-FFP_API const char *ffp_version(void); // "0.3.0"
+// The version of the library, as "0.4.0". That of the headers is in ffprocams/version.h:
+// FFPROCAMS_VERSION_MAJOR, _MINOR, _PATCH, and FFPROCAMS_VERSION, a number that grows with it.
+FFP_API const char *ffp_version(void);
 
 // Checks that the environment variable FFPROCAMS_CPU (portable, avx2, avx512, avx512bf16 or amx; unset: the
 // best supported) names kernels that this processor can run. Without this check an invalid value is ignored

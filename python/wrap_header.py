@@ -29,6 +29,8 @@ def headers(include: Path, name: str, seen: list[str]) -> list[str]:
     if name in seen:
         return []
     seen.append(name)
+    if not (include / name).exists():  # version.h, which the build writes: macros alone
+        return []
     text = (include / name).read_text(encoding="utf-8")
     included = re.findall(r'^#include "(.*)"', text, re.MULTILINE)
     return [part for other in included for part in headers(include, other, seen)] + [text]
