@@ -6,154 +6,168 @@
 #define DOUBT FFP_FINDING_DOUBT
 #define FAULT FFP_FINDING_FAULT
 
-// Measured, right or wrong.
-#define FRUSTA "the camera sees {x:.0%} of the object's sphere, the pattern covers {y:.0%} (worst views)"
-#define LIT_PIXELS "{figure:.1%} are lit where no projector light can reach"
-#define SILHOUETTES "{figure:.1%} of the object's pixels contradict the other views' silhouettes"
-#define CLIPPING "{figure:.2%} of the object's pixels are at the limit under white"
-#define EXPOSURE "white's bright pixels (95 %) reach {figure:.2f} of the range, linear"
-#define BLACK_LEVEL "{figure:.2%} of the object's pixels are darker under white than under black"
-#define LIT_SHARE "{figure:.0%} of the object's pixels receive projector light"
-#define VIEWS "{x:.0f}, with a widest gap of {figure:.0f} degrees (trained: 8 and 45)"
-#define SIZE "{x:.0f} x {y:.0f} pixels (trained: 128 x 128)"
-#define PATTERN "'{a}' explains the pictures with error {figure:.3f}; chance gives {y:.3f} ({x:.0f} pixels)"
-#define SURFACES "those of {x:.0f} of {y:.0f} pairs of neighbouring views lie apart"
-#define PARALLAX "at most {figure:.1f} degrees from a camera to the next, seen from the scene's middle"
-#define SCENE_LIT "{figure:.0%} of the pixels receive projector light"
-
-#define OPEN_TERMS                                                                                           \
-    "the photographs do not determine the {a}'s {b}: up to {figure:.0f} pixels in the picture's corner"
-
-#define FEW_BITS                                                                                             \
-    "no value of the photographs is above {figure:.4f} of full scale, as of {y:.0f} bits in files of 16"
 #define OBJECTS_PIXELS "share of the object's pixels"
 #define ALL_PIXELS "share of the pixels"
 #define DEGREES "degrees"
 #define LOOKUP_ERROR "root mean square error, linear"
+#define LIGHT_CLIPPED "share of the light pixels", 0.2
+#define TWELVE_BITS "of full scale", 4095.5 / 65535
 
+// What several rows share, right or wrong: subject, measure, limit and sentence.
+#define FRUSTA                                                                                               \
+    "frusta", NULL, 0,                                                                                       \
+        "the camera sees {x:.0%} of the object's sphere, the pattern covers {y:.0%} (worst views)"
+#define LIT_PIXELS                                                                                           \
+    "lit pixels", "share of the lit pixels", 0.02, "{figure:.1%} are lit where no projector light can reach"
+#define CONTRADICTIONS "silhouettes", OBJECTS_PIXELS, 0.03
+#define SILHOUETTES                                                                                          \
+    CONTRADICTIONS, "{figure:.1%} of the object's pixels contradict the other views' silhouettes"
+#define CLIPPING                                                                                             \
+    "clipping", OBJECTS_PIXELS, 0.05, "{figure:.2%} of the object's pixels are at the limit under white"
+#define EXPOSURE                                                                                             \
+    "exposure", "linear light", 0.1, "white's bright pixels (95 %) reach {figure:.2f} of the range, linear"
+#define BLACK_LEVEL                                                                                          \
+    "black level", OBJECTS_PIXELS, 0.01,                                                                     \
+        "{figure:.2%} of the object's pixels are darker under white than under black"
+#define LIT_SHARE                                                                                            \
+    "lit share", OBJECTS_PIXELS, 0.4, "{figure:.0%} of the object's pixels receive projector light"
+#define VIEWS "views", DEGREES, 75, "{x:.0f}, with a widest gap of {figure:.0f} degrees (trained: 8 and 45)"
+#define LARGE 260 // pixels a side
+#define SIZE(limit) "size", "pixels a side", limit, "{x:.0f} x {y:.0f} pixels (trained: 128 x 128)"
+#define PATTERN                                                                                              \
+    "pattern", LOOKUP_ERROR, 0,                                                                              \
+        "'{a}' explains the pictures with error {figure:.3f}; chance gives {y:.3f} ({x:.0f} pixels)"
+#define SURFACES "surfaces", NULL, 0, "those of {x:.0f} of {y:.0f} pairs of neighbouring views lie apart"
+#define PARALLAX                                                                                             \
+    "parallax", DEGREES, 20,                                                                                 \
+        "at most {figure:.1f} degrees from a camera to the next, seen from the scene's middle"
+#define SCENE_LIT "lit share", ALL_PIXELS, 0.1, "{figure:.0%} of the pixels receive projector light"
+
+#define FOCAL                                                                                                \
+    "calibration", "share of the focal length", 0, "the {a}'s focal length is uncertain by {figure:.1%}"
+#define OPEN_TERMS                                                                                           \
+    "calibration", "pixels", 1,                                                                              \
+        "the photographs do not determine the {a}'s {b}: up to {figure:.0f} pixels in the picture's corner"
+
+#define FEW_BITS                                                                                             \
+    "exposure", TWELVE_BITS,                                                                                 \
+        "no value of the photographs is above {figure:.4f} of full scale, as of {y:.0f} bits in files of 16"
 #define FORCE "force"
 
 // One of the rig's numbers beside those of training: {a} found, {b} of training, {c} where it stops being ok.
 #define TRAINED(id, CODE, SUBJECT, UNIT, ADVICE)                                                             \
-    [(id)] = {CODE, SUBJECT, OK, NULL, 0, "{a} " UNIT " (trained: {b}{c})", NULL, NULL},                     \
+    [(id)] = {CODE, OK, SUBJECT, NULL, 0, "{a} " UNIT " (trained: {b}{c})", NULL, NULL},                     \
     [(id) + FFP_RULE_UNUSUAL - FFP_RULE_CAMERA_DISTANCE] = {                                                 \
-        CODE "-unusual", SUBJECT, DOUBT, NULL, 0, "{a} " UNIT " (trained: {b}{c})", ADVICE, NULL}
+        CODE "-unusual", DOUBT, SUBJECT, NULL, 0, "{a} " UNIT " (trained: {b}{c})", ADVICE, NULL}
 
 static const FfpRule rules[FFP_RULES] = {
     // --- Devices. ---
-    [FFP_RULE_FRUSTA] = {"frusta", "frusta", OK, NULL, 0, FRUSTA, NULL, NULL},
-    [FFP_RULE_OBJECT_BEHIND] = {"object-behind-device", "frusta", DOUBT, NULL, 0, FRUSTA,
+    [FFP_RULE_FRUSTA] = {"frusta", OK, FRUSTA, NULL, NULL},
+    [FFP_RULE_OBJECT_BEHIND] = {"object-behind-device", DOUBT, FRUSTA,
                                 "the object lies behind a device: the turntable's axis or the direction of R "
                                 "and T is wrong",
                                 NULL},
-    [FFP_RULE_OBJECT_CUT_OFF] = {"object-cut-off", "frusta", DOUBT, NULL, 0, FRUSTA,
+    [FFP_RULE_OBJECT_CUT_OFF] = {"object-cut-off", DOUBT, FRUSTA,
                                  "the object leaves the picture: move the camera back, or give the object's "
                                  "sphere",
                                  NULL},
-    [FFP_RULE_PATTERN_TOO_SMALL] = {"pattern-too-small", "frusta", DOUBT, NULL, 0, FRUSTA,
+    [FFP_RULE_PATTERN_TOO_SMALL] = {"pattern-too-small", DOUBT, FRUSTA,
                                     "the pattern does not reach all of the object: move or aim the "
                                     "projector, or check the size it was calibrated at",
                                     NULL},
-    [FFP_RULE_LIT_PIXELS] = {"lit-pixels", "lit pixels", OK, "share of the lit pixels", 0.02, LIT_PIXELS,
-                             NULL, NULL},
-    [FFP_RULE_LIT_WHERE_NONE] = {"lit-where-no-light", "lit pixels", DOUBT, "share of the lit pixels", 0.02,
-                                 LIT_PIXELS,
+    [FFP_RULE_LIT_PIXELS] = {"lit-pixels", OK, LIT_PIXELS, NULL, NULL},
+    [FFP_RULE_LIT_WHERE_NONE] = {"lit-where-no-light", DOUBT, LIT_PIXELS,
                                  "the poses do not fit the pictures: check axis, angles and their sign, "
                                  "sizes and masks",
                                  NULL},
     [FFP_RULE_AXES] =
-        {"other-axes", "devices", FAULT, NULL, 0, "the object is behind every camera",
+        {"other-axes", FAULT, "devices", NULL, 0, "the object is behind every camera",
          "the poses have OpenGL's axes (y up, z backwards), or R and T have the other direction", FORCE},
-    [FFP_RULE_DEVICE_BEHIND] = {"device-turned-away", "devices", FAULT, NULL, 0,
+    [FFP_RULE_DEVICE_BEHIND] = {"device-turned-away", FAULT, "devices", NULL, 0,
                                 "the object is behind the {a}",
                                 "check the turntable's axis, and the direction of R and T", FORCE},
-    [FFP_RULE_DEVICE_INSIDE] = {"device-inside", "devices", FAULT, NULL, 0, "the {a} is inside the object",
+    [FFP_RULE_DEVICE_INSIDE] = {"device-inside", FAULT, "devices", NULL, 0, "the {a} is inside the object",
                                 "check its position, the direction of R and T, and the unit of lengths",
                                 FORCE},
-    [FFP_RULE_DEVICE_FAR] = {"device-far", "devices", FAULT, "distance, radii of the object", 100,
+    [FFP_RULE_DEVICE_FAR] = {"device-far", FAULT, "devices", "distance, radii of the object", 100,
                              "the {a} is {figure:.0f} times the object's radius away",
                              "check the unit of lengths", FORCE},
 
     // --- Silhouettes. ---
-    [FFP_RULE_SILHOUETTES] = {"silhouettes", "silhouettes", OK, OBJECTS_PIXELS, 0.03, SILHOUETTES, NULL,
-                              NULL},
-    [FFP_RULE_VIEW_CONTRADICTS] = {"view-contradicts", "silhouettes", DOUBT, OBJECTS_PIXELS, 0.03,
-                                   SILHOUETTES,
+    [FFP_RULE_SILHOUETTES] = {"silhouettes", OK, SILHOUETTES, NULL, NULL},
+    [FFP_RULE_VIEW_CONTRADICTS] = {"view-contradicts", DOUBT, SILHOUETTES,
                                    "without view {view} it is {x:.1%}: look at its mask; was the camera "
                                    "bumped, a hand in the picture, or the turntable not where its angle "
                                    "says?",
                                    NULL},
-    [FFP_RULE_VIEWS_CONTRADICT] = {"views-contradict", "silhouettes", DOUBT, OBJECTS_PIXELS, 0.03,
-                                   SILHOUETTES,
+    [FFP_RULE_VIEWS_CONTRADICT] = {"views-contradict", DOUBT, SILHOUETTES,
                                    "the views are inconsistent: check the masks (computed ones may lack "
                                    "parts in shadow, or hold parts of the stage), the turntable's axis, its "
                                    "angles and their sign, and the order of the pictures",
                                    NULL},
-    [FFP_RULE_NOTE_VIEW_CONTRADICTS] = {"view-contradicts", "silhouettes", NOTE, OBJECTS_PIXELS, 0.03,
+    [FFP_RULE_NOTE_VIEW_CONTRADICTS] = {"view-contradicts", NOTE, CONTRADICTIONS,
                                         "view {view} contradicts the others' silhouettes",
                                         "look at its mask and pose", NULL},
-    [FFP_RULE_NOTE_VIEWS_CONTRADICT] = {"views-contradict", "silhouettes", NOTE, OBJECTS_PIXELS, 0.03,
+    [FFP_RULE_NOTE_VIEWS_CONTRADICT] = {"views-contradict", NOTE, CONTRADICTIONS,
                                         "{figure:.0%} of the object's pixels contradict the other views' "
                                         "silhouettes",
                                         "`info` says what to look at", NULL},
-    [FFP_RULE_VIEW_TURNED] = {"view-turned", "silhouettes", FAULT, OBJECTS_PIXELS, 0,
+    [FFP_RULE_VIEW_TURNED] = {"view-turned", FAULT, "silhouettes", OBJECTS_PIXELS, 0,
                               "its photographs contradict the other views, and fit when they are taken as "
                               "{a}",
                               "turn them back, or take them again", FORCE},
-    [FFP_RULE_VIEWS_EXCHANGED] = {"views-exchanged", "silhouettes", FAULT, OBJECTS_PIXELS, 0,
+    [FFP_RULE_VIEWS_EXCHANGED] = {"views-exchanged", FAULT, "silhouettes", OBJECTS_PIXELS, 0,
                                   "its photographs and those of view {other} are exchanged",
                                   "exchange them: the silhouettes fit the other way round", FORCE},
-    [FFP_RULE_OTHER_DIRECTION] = {"turntable-direction", "silhouettes", FAULT, OBJECTS_PIXELS, 0,
+    [FFP_RULE_OTHER_DIRECTION] = {"turntable-direction", FAULT, "silhouettes", OBJECTS_PIXELS, 0,
                                   "the views fit in the opposite order",
                                   "the turntable turned the other way, change the sign of its angles", FORCE},
-    [FFP_RULE_CAMERA_SIZE] = {"camera-size", "silhouettes", FAULT, OBJECTS_PIXELS, 0,
+    [FFP_RULE_CAMERA_SIZE] = {"camera-size", FAULT, "silhouettes", OBJECTS_PIXELS, 0,
                               "the silhouettes fit with {a} the camera's focal lengths and principal point",
                               "it was calibrated with photographs of another size", FORCE},
-    [FFP_RULE_MASK_INVERTED] = {"mask-inverted", "masks", FAULT, NULL, 0,
+    [FFP_RULE_MASK_INVERTED] = {"mask-inverted", FAULT, "masks", NULL, 0,
                                 "its mask reaches the edge of the picture on all sides",
                                 "it is inverted, or missing", FORCE},
-    [FFP_RULE_MASK_EMPTY] = {"mask-empty", "masks", FAULT, NULL, 0, "its mask is empty",
+    [FFP_RULE_MASK_EMPTY] = {"mask-empty", FAULT, "masks", NULL, 0, "its mask is empty",
                              "no pixel belongs to the object", FORCE},
 
     // --- Light. ---
-    [FFP_RULE_CLIPPING] = {"clipping", "clipping", OK, OBJECTS_PIXELS, 0.05, CLIPPING, NULL, NULL},
-    [FFP_RULE_CLIPPED] = {"clipped", "clipping", DOUBT, OBJECTS_PIXELS, 0.05, CLIPPING,
+    [FFP_RULE_CLIPPING] = {"clipping", OK, CLIPPING, NULL, NULL},
+    [FFP_RULE_CLIPPED] = {"clipped", DOUBT, CLIPPING,
                           "shorten the exposure until white clips in highlights only", NULL},
-    [FFP_RULE_NOTE_CLIPPED] = {"overexposed", "clipping", NOTE, OBJECTS_PIXELS, 0.4,
+    [FFP_RULE_NOTE_CLIPPED] = {"overexposed", NOTE, "clipping", OBJECTS_PIXELS, 0.4,
                                "{figure:.0%} of the object's pixels are at the limit under white",
                                "shorten the exposure", NULL},
-    [FFP_RULE_EXPOSURE] = {"exposure", "exposure", OK, "linear light", 0.1, EXPOSURE, NULL, NULL},
-    [FFP_RULE_UNDEREXPOSED] = {"underexposed", "exposure", DOUBT, "linear light", 0.1, EXPOSURE,
+    [FFP_RULE_EXPOSURE] = {"exposure", OK, EXPOSURE, NULL, NULL},
+    [FFP_RULE_UNDEREXPOSED] = {"underexposed", DOUBT, EXPOSURE,
                                "expose longer, or move the projector closer: otherwise noise will show",
                                NULL},
-    [FFP_RULE_NOTE_UNDEREXPOSED] = {"very-dark", "exposure", NOTE, "linear light", 0.02,
+    [FFP_RULE_NOTE_UNDEREXPOSED] = {"very-dark", NOTE, "exposure", "linear light", 0.02,
                                     "the photographs under white are very dark", "expose longer", NULL},
-    [FFP_RULE_BLACK_LEVEL] = {"black-level", "black level", OK, OBJECTS_PIXELS, 0.01, BLACK_LEVEL, NULL,
-                              NULL},
-    [FFP_RULE_WHITE_DARKER] = {"white-darker-than-black", "black level", DOUBT, OBJECTS_PIXELS, 0.01,
-                               BLACK_LEVEL,
+    [FFP_RULE_BLACK_LEVEL] = {"black-level", OK, BLACK_LEVEL, NULL, NULL},
+    [FFP_RULE_WHITE_DARKER] = {"white-darker-than-black", DOUBT, BLACK_LEVEL,
                                "black and white are swapped, the room's light changed, or camera and "
                                "projector are not synchronised (expose for whole frames of the projector)",
                                NULL},
-    [FFP_RULE_EXCHANGED] = {"photographs-exchanged", "black level", FAULT, NULL, 0,
+    [FFP_RULE_EXCHANGED] = {"photographs-exchanged", FAULT, "black level", NULL, 0,
                             "the photographs under {a} and {b} are exchanged",
                             "exchange their files: the object is darker under {b}", FORCE},
-    [FFP_RULE_SAME_PHOTOGRAPH] = {"photograph-repeated", "photographs", FAULT, NULL, 0,
+    [FFP_RULE_SAME_PHOTOGRAPH] = {"photograph-repeated", FAULT, "photographs", NULL, 0,
                                   "the photographs under {a} and {b} are one and the same", "take it again",
                                   FORCE},
-    [FFP_RULE_SAME_VIEW] = {"view-repeated", "photographs", NOTE, NULL, 0,
+    [FFP_RULE_SAME_VIEW] = {"view-repeated", NOTE, "photographs", NULL, 0,
                             "view {view} has the photograph under white of view {other}", "take it again",
                             NULL},
-    [FFP_RULE_PROJECTOR_DARK] = {"projector-dark", "exposure", FAULT, OBJECTS_PIXELS, 0.02,
+    [FFP_RULE_PROJECTOR_DARK] = {"projector-dark", FAULT, "exposure", OBJECTS_PIXELS, 0.02,
                                  "white adds no light to black",
                                  "the projector was dark, or its light does not reach the object", FORCE},
-    [FFP_RULE_LAMP] = {"lamp", "ambient", NOTE, NULL, 0,
+    [FFP_RULE_LAMP] = {"lamp", NOTE, "ambient", NULL, 0,
                        "view {view} has much more light under black than the others", "was a lamp on?", NULL},
-    [FFP_RULE_BRIGHT_ROOM] = {"bright-room", "ambient", NOTE, "share of the light under white", 0.9,
+    [FFP_RULE_BRIGHT_ROOM] = {"bright-room", NOTE, "ambient", "share of the light under white", 0.9,
                               "{figure:.0%} of the light under white remains under black", "darken the room",
                               NULL},
-    [FFP_RULE_LIT_SHARE] = {"lit-share", "lit share", OK, OBJECTS_PIXELS, 0.4, LIT_SHARE, NULL, NULL},
-    [FFP_RULE_LITTLE_LIT] = {"little-lit", "lit share", DOUBT, OBJECTS_PIXELS, 0.4, LIT_SHARE,
+    [FFP_RULE_LIT_SHARE] = {"lit-share", OK, LIT_SHARE, NULL, NULL},
+    [FFP_RULE_LITTLE_LIT] = {"little-lit", DOUBT, LIT_SHARE,
                              "the masks include background, or the projector is too far to the side: unlit "
                              "sides are guessed",
                              NULL},
@@ -176,225 +190,223 @@ static const FfpRule rules[FFP_RULES] = {
             "turn the photographs upright, or check the sign of the axis: the world's z must be up"),
     TRAINED(FFP_RULE_AMBIENT, "ambient", "ambient", "of the light under white remains under black",
             "darken or lighten the room to get between"),
-    [FFP_RULE_VIEWS] = {"views", "views", OK, DEGREES, 75, VIEWS, NULL, NULL},
-    [FFP_RULE_FEW_VIEWS] = {"few-views", "views", DOUBT, DEGREES, 75, VIEWS,
+    [FFP_RULE_VIEWS] = {"views", OK, VIEWS, NULL, NULL},
+    [FFP_RULE_FEW_VIEWS] = {"few-views", DOUBT, VIEWS,
                             "sides that no view sees are guessed: photograph all around", NULL},
-    [FFP_RULE_SIZE] = {"size", "size", OK, "pixels a side", 260, SIZE, NULL, NULL},
-    [FFP_RULE_LARGE] = {"large-pictures", "size", DOUBT, "pixels a side", 260, SIZE,
+    [FFP_RULE_SIZE] = {"size", OK, SIZE(LARGE), NULL, NULL},
+    [FFP_RULE_LARGE] = {"large-pictures", DOUBT, SIZE(LARGE),
                         "import narrower pictures, about 128 pixels wide, or reconstruct without the "
                         "network: time and memory grow fast",
                         "width"},
-    [FFP_RULE_SMALL] = {"small-pictures", "size", DOUBT, "pixels a side", 90, SIZE,
-                        "too few pixels for fine patterns", "width"},
+    [FFP_RULE_SMALL] = {"small-pictures", DOUBT, SIZE(90), "too few pixels for fine patterns", "width"},
 
     // --- The pattern. ---
-    [FFP_RULE_PATTERN] = {"pattern", "pattern", OK, LOOKUP_ERROR, 0, PATTERN, NULL, NULL},
+    [FFP_RULE_PATTERN] = {"pattern", OK, PATTERN, NULL, NULL},
     [FFP_RULE_PATTERN_BLIND] =
-        {"pattern-cannot-tell", "pattern", OK, LOOKUP_ERROR, 0,
+        {"pattern-cannot-tell", OK, "pattern", LOOKUP_ERROR, 0,
          "'{a}' explains the pictures with error {figure:.3f}, but cannot tell whether "
          "poses are right: every ray meets all of its colours ({x:.0f} pixels)",
          NULL, NULL},
-    [FFP_RULE_NONE_LIT] = {"no-pattern", "pattern", DOUBT, NULL, 0,
+    [FFP_RULE_NONE_LIT] = {"no-pattern", DOUBT, "pattern", NULL, 0,
                            "no lit pixels under a pattern that every view has",
                            "depth requires such a pattern: take one more picture at each stop", NULL},
-    [FFP_RULE_PATTERN_MIRRORED] = {"pattern-mirrored", "pattern", FAULT, LOOKUP_ERROR, 0,
+    [FFP_RULE_PATTERN_MIRRORED] = {"pattern-mirrored", FAULT, "pattern", LOOKUP_ERROR, 0,
                                    "the photographs under {a} fit when it is mirrored {b}",
                                    "the projector mirrors its picture, or the pattern's file or all "
                                    "photographs are mirrored",
                                    FORCE},
-    [FFP_RULE_ALL_MIRRORED] = {"photographs-mirrored", "pattern", FAULT, LOOKUP_ERROR, 0,
+    [FFP_RULE_ALL_MIRRORED] = {"photographs-mirrored", FAULT, "pattern", LOOKUP_ERROR, 0,
                                "all photographs are mirrored {b}",
                                "the camera's program shows them as in a mirror; switch that off, or mirror "
                                "the files, and import again",
                                FORCE},
-    [FFP_RULE_RED_AND_BLUE] = {"red-and-blue", "pattern", FAULT, LOOKUP_ERROR, 0,
+    [FFP_RULE_RED_AND_BLUE] = {"red-and-blue", FAULT, "pattern", LOOKUP_ERROR, 0,
                                "the photographs under {a} fit with red and blue exchanged",
                                "the photographs or the pattern's file have the channels in another order",
                                FORCE},
-    [FFP_RULE_PROJECTOR_SIZE] = {"projector-size", "pattern", FAULT, LOOKUP_ERROR, 0,
+    [FFP_RULE_PROJECTOR_SIZE] = {"projector-size", FAULT, "pattern", LOOKUP_ERROR, 0,
                                  "the photographs under {a} fit with {b} the projector's focal lengths and "
                                  "principal point",
                                  "it was calibrated at {x:.0f} x {y:.0f} pixels, not at the pattern's {c}",
                                  FORCE},
-    [FFP_RULE_PROJECTOR_INVERTED] = {"projector-inverted", "pattern", FAULT, LOOKUP_ERROR, 0,
+    [FFP_RULE_PROJECTOR_INVERTED] = {"projector-inverted", FAULT, "pattern", LOOKUP_ERROR, 0,
                                      "the photographs under {a} fit with the projector's poses inverted",
                                      "its R and T have the other direction", FORCE},
-    [FFP_RULE_OTHER_PATTERN] = {"other-pattern", "pattern", FAULT, LOOKUP_ERROR, 0,
+    [FFP_RULE_OTHER_PATTERN] = {"other-pattern", FAULT, "pattern", LOOKUP_ERROR, 0,
                                 "the photographs under {a} show {b}", "name the pattern that was shown",
                                 FORCE},
-    [FFP_RULE_OTHER_PATTERN_ONCE] = {"other-pattern-once", "pattern", FAULT, LOOKUP_ERROR, 0,
+    [FFP_RULE_OTHER_PATTERN_ONCE] = {"other-pattern-once", FAULT, "pattern", LOOKUP_ERROR, 0,
                                      "its photograph under {a} shows {b}", "take it again", FORCE},
-    [FFP_RULE_PATTERN_EXCHANGED] = {"pattern-exchanged", "pattern", FAULT, LOOKUP_ERROR, 0,
+    [FFP_RULE_PATTERN_EXCHANGED] = {"pattern-exchanged", FAULT, "pattern", LOOKUP_ERROR, 0,
                                     "its photograph under {a} does not fit the others of this view; that of "
                                     "view {other} does",
                                     "they are exchanged: exchange their files", FORCE},
-    [FFP_RULE_PATTERN_NOT_THERE] = {"pattern-not-there", "pattern", FAULT, LOOKUP_ERROR, 0,
+    [FFP_RULE_PATTERN_NOT_THERE] = {"pattern-not-there", FAULT, "pattern", LOOKUP_ERROR, 0,
                                     "its photograph under {a} does not show that pattern where this view's "
                                     "projector is",
                                     "something was in front of it, or its pose or one of its photographs is "
                                     "another's",
                                     FORCE},
-    [FFP_RULE_PATTERN_MOVED] = {"pattern-moved", "pattern", DOUBT, LOOKUP_ERROR, 0, PATTERN,
+    [FFP_RULE_PATTERN_MOVED] = {"pattern-moved", DOUBT, PATTERN,
                                 "it fits better moved by {b} of its pixels ({z:.3f}): the projector's "
                                 "calibration or the turntable's axis is off by as much; `ffprocams align` "
                                 "can correct it",
                                 NULL},
-    [FFP_RULE_VIEW_MOVED] = {"view-moved", "pattern", DOUBT, LOOKUP_ERROR, 0, PATTERN,
+    [FFP_RULE_VIEW_MOVED] = {"view-moved", DOUBT, PATTERN,
                              "view {view} fits better when its pattern is moved by {z:.0f} pixels, which few "
                              "others do: was the camera or the projector bumped, or the turntable not where "
                              "its angle says? Take it again",
                              NULL},
-    [FFP_RULE_VIEW_SPOILT] = {"view-spoilt", "pattern", DOUBT, LOOKUP_ERROR, 0, PATTERN,
+    [FFP_RULE_VIEW_SPOILT] = {"view-spoilt", DOUBT, PATTERN,
                               "view {view} fits far worse than the others: was something in front of the "
                               "object or of the projector, or the room's light changed? Take it again",
                               NULL},
-    [FFP_RULE_CHANCE] = {"no-better-than-chance", "pattern", DOUBT, LOOKUP_ERROR, 0, PATTERN,
+    [FFP_RULE_CHANCE] = {"no-better-than-chance", DOUBT, PATTERN,
                          "no better than chance: another pattern was shown, views are mixed up, or poses "
                          "are wrong (angles' sign, R and T from camera to projector)",
                          NULL},
-    [FFP_RULE_NOTE_CHANCE] = {"no-better-than-chance", "pattern", NOTE, LOOKUP_ERROR, 0,
+    [FFP_RULE_NOTE_CHANCE] = {"no-better-than-chance", NOTE, "pattern", LOOKUP_ERROR, 0,
                               "'{a}' explains its photographs no better than chance",
                               "another pattern was shown, or poses are wrong; `info` says what to look at",
                               NULL},
 
     // --- What moved. ---
-    [FFP_RULE_SURFACES] = {"surfaces", "surfaces", OK, NULL, 0, SURFACES, NULL, NULL},
-    [FFP_RULE_SLIPPED] = {"view-slipped", "surfaces", DOUBT, NULL, 0, SURFACES,
+    [FFP_RULE_SURFACES] = {"surfaces", OK, SURFACES, NULL, NULL},
+    [FFP_RULE_SLIPPED] = {"view-slipped", DOUBT, SURFACES,
                           "view {view} shows the object {z:.2g} units from where the others show it{a}: did "
                           "it slip, was a device bumped, or the turntable not where its angle says? Take it "
                           "again",
                           NULL},
-    [FFP_RULE_SLIPPED_VIEWS] = {"views-slipped", "surfaces", DOUBT, NULL, 0, SURFACES,
+    [FFP_RULE_SLIPPED_VIEWS] = {"views-slipped", DOUBT, SURFACES,
                                 "views {view} to {other} show the object {z:.2g} units from where the others "
                                 "show it{a}: did it slip, or was a device moved? Take them again",
                                 NULL},
-    [FFP_RULE_APART] = {"surfaces-apart", "surfaces", DOUBT, NULL, 0, SURFACES,
+    [FFP_RULE_APART] = {"surfaces-apart", DOUBT, SURFACES,
                         "views {view} and {other} most clearly: the object or a device moved in between, or "
                         "the turntable's axis or angles are wrong",
                         NULL},
 
     // --- Whole scenes. ---
-    [FFP_RULE_DEPTH] = {"depth", "depth", OK, NULL, 0,
+    [FFP_RULE_DEPTH] = {"depth", OK, "depth", NULL, 0,
                         "a whole scene, looked for {x:.3g} to {y:.3g} units before the cameras", NULL, NULL},
-    [FFP_RULE_PARALLAX] = {"parallax", "parallax", OK, DEGREES, 20, PARALLAX, NULL, NULL},
-    [FFP_RULE_NO_PARALLAX] = {"no-parallax", "parallax", DOUBT, DEGREES, 20, PARALLAX,
+    [FFP_RULE_PARALLAX] = {"parallax", OK, PARALLAX, NULL, NULL},
+    [FFP_RULE_NO_PARALLAX] = {"no-parallax", DOUBT, PARALLAX,
                               "one place of the camera: what the projector does not reach will have no depth "
                               "of its own",
                               NULL},
-    [FFP_RULE_WIDE_PARALLAX] = {"wide-parallax", "parallax", DOUBT, DEGREES, 20, PARALLAX,
+    [FFP_RULE_WIDE_PARALLAX] = {"wide-parallax", DOUBT, PARALLAX,
                                 "take more views in between: depth where no projector reaches comes from "
                                 "neighbours that look alike",
                                 NULL},
-    [FFP_RULE_SCENE_LIT] = {"scene-lit", "lit share", OK, ALL_PIXELS, 0.1, SCENE_LIT, NULL, NULL},
-    [FFP_RULE_SCENE_DARK] = {"scene-dark", "lit share", DOUBT, ALL_PIXELS, 0.1, SCENE_LIT,
+    [FFP_RULE_SCENE_LIT] = {"scene-lit", OK, SCENE_LIT, NULL, NULL},
+    [FFP_RULE_SCENE_DARK] = {"scene-dark", DOUBT, SCENE_LIT,
                              "most of the pictures show what the projector does not reach: move closer",
                              NULL},
 
     // --- Photographs, as they are imported. ---
     [FFP_RULE_STAGE_ELSEWHERE] =
-        {"stage-elsewhere", "stage", DOUBT, NULL, 0,
+        {"stage-elsewhere", DOUBT, "stage", NULL, 0,
          "the empty stage was photographed from another place, or the camera was moved since: it looks like "
          "view '{view}' if it is moved by {x:.0f}, {y:.0f} pixels (right, down)",
          "the masks are wrong: photograph the stage and the object again without moving the camera in "
          "between",
          NULL},
-    [FFP_RULE_VIEW_ELSEWHERE] = {"view-elsewhere", "stage", DOUBT, NULL, 0,
+    [FFP_RULE_VIEW_ELSEWHERE] = {"view-elsewhere", DOUBT, "stage", NULL, 0,
                                  "view '{view}' was photographed from another place: the empty stage looks "
                                  "like it if it is moved by {x:.0f}, {y:.0f} pixels (right, down)",
                                  "photograph this view again, or leave it out", NULL},
     [FFP_RULE_STAGE_LIGHT] =
-        {"stage-light", "stage", DOUBT, "of full scale", 0,
+        {"stage-light", DOUBT, "stage", "of full scale", 0,
          "view '{view}': under black it has {figure:.4f} of full scale where the empty stage has {x:.4f}",
          "was a lamp switched since, or did daylight change? The masks are unreliable; photograph stage and "
          "object in the same light",
          NULL},
-    [FFP_RULE_STAGE_GAIN] = {"stage-exposure", "stage", DOUBT, NULL, 0,
+    [FFP_RULE_STAGE_GAIN] = {"stage-exposure", DOUBT, "stage", NULL, 0,
                              "the stage's light is {x:.2f} to {y:.2f} times that of the empty stage",
                              "photograph all with one exposure and a warm lamp", NULL},
     [FFP_RULE_LIT_BACKGROUND] =
-        {"lit-background", "stage", DOUBT, ALL_PIXELS, 0,
+        {"lit-background", DOUBT, "stage", ALL_PIXELS, 0,
          "lit background: white lights {figure:.0%} of the picture that stay the same at all stops",
          "photograph the stage without the object for better masks", "empty"},
     [FFP_RULE_MASKS_DISAGREE] =
-        {"masks-disagree", "masks", DOUBT, "share of the masks' pixels", 0,
+        {"masks-disagree", DOUBT, "masks", "share of the masks' pixels", 0,
          "only {figure:.1%} of the masks' pixels agree with the other views' masks; masks.png in the "
          "capture's folder shows all of them",
          "was the camera moved, or anything else, between the empty stage and the object?", NULL},
     [FFP_RULE_VIEW_LIGHT] =
-        {"view-light", "ambient", DOUBT, "of full scale", 0,
+        {"view-light", DOUBT, "ambient", "of full scale", 0,
          "view '{view}': under black it has {figure:.3f} of full scale where other views have {x:.3f}",
          "was a lamp switched, or did daylight change? Photograph all views in the same light", NULL},
     [FFP_RULE_TOO_BRIGHT] =
-        {"values-clipped", "exposure", DOUBT, "share of the values", 0.001,
+        {"values-clipped", DOUBT, "exposure", "share of the values", 0.001,
          "{figure:.1%} of the photographs' values exceed the range of a capture's pictures and were clipped",
          "lower the exposure to keep them", "exposure"},
-    [FFP_RULE_FEW_BITS] = {"twelve-bits", "exposure", DOUBT, "of full scale", 4095.5 / 65535, FEW_BITS,
+    [FFP_RULE_FEW_BITS] = {"twelve-bits", DOUBT, FEW_BITS,
                            "raise the exposure by {x:.0f} stops, or the capture's pictures have hardly any "
                            "steps",
                            "exposure={x:.0f}"},
-    [FFP_RULE_FEW_BITS_AS_SRGB] = {"twelve-bits-as-srgb", "exposure", DOUBT, "of full scale", 4095.5 / 65535,
-                                   FEW_BITS,
+    [FFP_RULE_FEW_BITS_AS_SRGB] = {"twelve-bits-as-srgb", DOUBT, FEW_BITS,
                                    "a sensor's numbers are linear light: import them as that, with an "
                                    "exposure of {x:.0f} stops; if they "
                                    "are sRGB, expose longer",
                                    "linear=images"},
-    [FFP_RULE_CODES_LEFT_OUT] = {"codes-left-out", "codes", DOUBT, NULL, 0,
+    [FFP_RULE_CODES_LEFT_OUT] = {"codes-left-out", DOUBT, "codes", NULL, 0,
                                  "the Gray codes of view '{view}' are left out: {a}", NULL, NULL},
     [FFP_RULE_RESPONSE] =
-        {"response-not-kept", "response", DOUBT, NULL, 0,
+        {"response-not-kept", DOUBT, "response", NULL, 0,
          "the projector's response is not kept (gamma {a}): with it the pattern explains views held out no "
          "better, {x:.1f} dB, than the {y:.1f} without; patterns count as {b}",
          NULL, NULL},
     [FFP_RULE_TAGS_DIFFER] =
-        {"orientation-tags-differ", "photographs", FAULT, NULL, 0,
+        {"orientation-tags-differ", FAULT, "photographs", NULL, 0,
          "photographs of {a} are tagged as {b}, those of the others as {c}",
          "nothing turned between them, since the rig stands still: the camera's tilt sensor erred. Take the "
          "tags away (exiftool -Orientation= FILES), or set them alike",
          NULL},
     [FFP_RULE_TAGS_MIXED] =
-        {"orientation-tags-mixed", "photographs", FAULT, NULL, 0,
+        {"orientation-tags-mixed", FAULT, "photographs", NULL, 0,
          "'{a}' is tagged as {b}, and '{c}' otherwise, although nothing turned between them",
          "the camera's tilt sensor erred: take the tags away (exiftool -Orientation= FILES), or set them "
          "alike",
          NULL},
     [FFP_RULE_TURNED_PICTURES] =
-        {"photographs-turned", "photographs", FAULT, NULL, 0,
+        {"photographs-turned", FAULT, "photographs", NULL, 0,
          "the photographs have {x:.0f} x {y:.0f} pixels, those of the other attitudes {a}",
          "was the camera turned, or the pictures? Turn them back, or photograph this attitude again", NULL},
-    [FFP_RULE_RAW_AND_JPEG] = {"raw-and-jpeg", "photographs", FAULT, NULL, 0,
+    [FFP_RULE_RAW_AND_JPEG] = {"raw-and-jpeg", FAULT, "photographs", NULL, 0,
                                "{x:.0f} photographs exist twice, as '{a}' and '{b}'",
                                "keep one of the two kinds in the folder", NULL},
     [FFP_RULE_NUMBERS_WRAP] =
-        {"numbers-wrap", "photographs", NOTE, NULL, 0,
+        {"numbers-wrap", NOTE, "photographs", NULL, 0,
          "the numbers of the photographs begin again: '{b}' is taken to come after '{a}'", NULL, NULL},
     [FFP_RULE_ONE_LATE] =
-        {"photographs-late", "photographs", FAULT, NULL, 0,
+        {"photographs-late", FAULT, "photographs", NULL, 0,
          "every photograph shows the pattern before its own: '{a}' shows black and '{b}' white",
          "the camera was too early: wait longer after showing a pattern, and photograph again", NULL},
     [FFP_RULE_LATE_FROM] =
-        {"photographs-late-from", "photographs", FAULT, NULL, 0,
+        {"photographs-late-from", FAULT, "photographs", NULL, 0,
          "from '{a}' on every photograph shows the pattern before its own",
          "the camera was too early there, or took one picture twice: photograph these again, and wait "
          "longer after showing a pattern",
          NULL},
     [FFP_RULE_WHITE_IS_BLACK] =
-        {"white-is-black", "photographs", FAULT, NULL, 0,
+        {"white-is-black", FAULT, "photographs", NULL, 0,
          "'{a}' and '{b}' show the same: one of them should be the projector's white",
          "the photograph was taken before the projector had changed, or a file was copied: take it again",
          NULL},
     [FFP_RULE_CODES_CLIPPED] =
-        {"codes-overexposed", "exposure", FAULT, "share of the light pixels", 0.2,
+        {"codes-overexposed", FAULT, "exposure", LIGHT_CLIPPED,
          "{figure:.0%} of what the projector lights in '{a}' are at the camera's limit",
          "overexposed: shorten the exposure until white stays below the limit, and "
          "photograph the codes again",
          NULL},
     [FFP_RULE_CODES_FEW_BITS] =
-        {"codes-of-twelve-bits", "exposure", FAULT, "of full scale", 4095.5 / 65535,
+        {"codes-of-twelve-bits", FAULT, "exposure", TWELVE_BITS,
          "no value of '{a}' is above a sixteenth of full scale, as of 12 bits in files of 16",
          "save the photographs as sRGB that fills the file's range, as cameras' JPEGs do; if they are as "
          "dark as that, was the projector on? Expose longer",
          NULL},
-    [FFP_RULE_PLAIN_CLIPPED] = {"black-and-white-overexposed", "exposure", FAULT, ALL_PIXELS, 0.1,
+    [FFP_RULE_PLAIN_CLIPPED] = {"black-and-white-overexposed", FAULT, "exposure", ALL_PIXELS, 0.1,
                                 "{figure:.0%} of '{a}' are at the camera's limit",
                                 "overexposed: shorten the exposure until the projector's white stays below "
                                 "the limit, and photograph all again",
@@ -402,51 +414,47 @@ static const FfpRule rules[FFP_RULES] = {
 
     // --- Calibrations. ---
     [FFP_RULE_PROJECTOR_FITS_BADLY] =
-        {"projector-fits-badly", "calibration", DOUBT, "pixels", 0,
+        {"projector-fits-badly", DOUBT, "calibration", "pixels", 0,
          "the projector alone fits with {figure:.2f} pixels, the camera with {x:.2f}",
          "the panel does not show the patterns pixel by pixel: switch keystone, four-corner and lens-shift "
          "correction, overscan and scaling off, and photograph again",
          NULL},
-    [FFP_RULE_ATTITUDE] = {"attitudes-left-out", "calibration", DOUBT, NULL, 0, "{a} left out: {b}", NULL,
+    [FFP_RULE_ATTITUDE] = {"attitudes-left-out", DOUBT, "calibration", NULL, 0, "{a} left out: {b}", NULL,
                            NULL},
-    [FFP_RULE_FOCAL] = {"focal-uncertain", "calibration", DOUBT, "share of the focal length", 0,
-                        "the {a}'s focal length is uncertain by {figure:.1%}",
-                        "take more attitudes, tilted more", NULL},
-    [FFP_RULE_PLACE_LEFT_OUT] = {"place-left-out", "calibration", DOUBT, NULL, 0,
+    [FFP_RULE_FOCAL] = {"focal-uncertain", DOUBT, FOCAL, "take more attitudes, tilted more", NULL},
+    [FFP_RULE_PLACE_LEFT_OUT] = {"place-left-out", DOUBT, "calibration", NULL, 0,
                                  "the camera's place '{view}' is left out: {a}", NULL, NULL},
-    [FFP_RULE_STOP_LEFT_OUT] = {"stop-left-out", "calibration", DOUBT, NULL, 0,
+    [FFP_RULE_STOP_LEFT_OUT] = {"stop-left-out", DOUBT, "calibration", NULL, 0,
                                 "the turntable's stop '{view}' is left out: {a}",
                                 "photograph it again, or go on without it: an import leaves it out, too",
                                 NULL},
     [FFP_RULE_PLACES_FOCAL] =
-        {"focal-uncertain-by-places", "calibration", DOUBT, "share of the focal length", 0,
-         "the {a}'s focal length is uncertain by {figure:.1%}",
+        {"focal-uncertain-by-places", DOUBT, FOCAL,
          "photograph from places farther apart, with things at different depths in view", NULL},
-    [FFP_RULE_STOPS_FOCAL] = {"focal-uncertain-by-stops", "calibration", DOUBT, "share of the focal length",
-                              0, "the {a}'s focal length is uncertain by {figure:.1%}",
+    [FFP_RULE_STOPS_FOCAL] = {"focal-uncertain-by-stops", DOUBT, FOCAL,
                               "put a larger object with more relief on the turntable, or move the projector "
                               "farther from the camera",
                               NULL},
     [FFP_RULE_LENS_DIFFERS] =
-        {"lens-differs", "calibration", DOUBT, "share of the focal length", 0,
+        {"lens-differs", DOUBT, "calibration", "share of the focal length", 0,
          "the photographs say a focal length that differs by {figure:.1%} from that of the lens",
          "give the lens's focal length as that of a 35 mm camera: what is engraved on it, times "
          "the crop factor; or leave it out",
          NULL},
     [FFP_RULE_TERMS_FIX] =
-        {"lens-terms-to-fix", "calibration", DOUBT, "pixels", 1, OPEN_TERMS,
+        {"lens-terms-to-fix", DOUBT, OPEN_TERMS,
          "hold these terms fixed: boards that were held out are then off by {x:.3f} pixels, {y:.3f} before",
          "fix={c}"},
-    [FFP_RULE_TERMS_OPEN] = {"lens-terms-open", "calibration", DOUBT, "pixels", 1, OPEN_TERMS,
+    [FFP_RULE_TERMS_OPEN] = {"lens-terms-open", DOUBT, OPEN_TERMS,
                              "without these terms boards that are held out fit worse: do not fix them, and "
                              "take photographs of the board at the picture's edges",
                              NULL},
     [FFP_RULE_TERMS_UNTRIED] =
-        {"lens-terms-untried", "calibration", DOUBT, "pixels", 1, OPEN_TERMS,
+        {"lens-terms-untried", DOUBT, OPEN_TERMS,
          "hold these terms fixed, or take more attitudes: from {x:.0f} on it is tried whether that holds",
          "fix={c}"},
     [FFP_RULE_BOARD_CLIPPED] =
-        {"board-overexposed", "calibration", NOTE, "share of the light pixels", 0.2,
+        {"board-overexposed", NOTE, "calibration", LIGHT_CLIPPED,
          "under white up to {figure:.0%} of the board's light pixels are overexposed ({a})",
          "shorten the exposure", NULL},
 };

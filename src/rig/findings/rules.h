@@ -137,8 +137,9 @@ typedef enum FfpRuleId {
 // and {z} numbers, with the digits behind a colon: {figure:.2f}, {x:.3g}, or {figure:.1%}, which is a share
 // in percent.
 typedef struct FfpRule {
-    const char *code, *subject;
+    const char *code;
     FfpSeverity severity;
+    const char *subject;
     const char *measure; // what its figure is; NULL: it has none
     double limit;        // of the figure; 0: the room that measures sets it
     const char *sentence, *advice, *setting;

@@ -9,7 +9,6 @@
 #define PIXELS_LEFT 2.0
 #define PANEL_LEFT 2.0
 #define FINE_SUM_MIN 0.75 // of white
-#define CLIPPED_MAX 0.2   // of the light pixels, under white
 #define CODES_OFF_MAX 3.0 // pixels: median by which the codes may contradict the calibration
 
 static int count_missing(const FfpImporting *import, int stop) {
@@ -32,7 +31,7 @@ static void note_report(const FfpImporting *import, const FfpView *view, const F
     if (report->dropped[0] > 0 || report->dropped[1] > 0)
         ffp_note("  the finest %d codes of columns and %d of rows are too fine for the photographs",
                  report->dropped[0], report->dropped[1]);
-    if (report->clipped > CLIPPED_MAX)
+    if (report->clipped > ffp_rule(FFP_RULE_CODES_CLIPPED)->limit)
         ffp_note("  under white %.0f %% of the light pixels are overexposed: shorten the exposure",
                  100 * report->clipped);
     if (report->fine_sum < FINE_SUM_MIN && !import->settings->linear_images)
