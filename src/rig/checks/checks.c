@@ -55,25 +55,28 @@ static void check_light(FfpFindings *found, const FfpLights *lights) {
 // ---
 
 typedef struct Trained {
-    double low, high; // of training
-    double margin;    // beyond which it is worth a word
+    double low, high;   // of training: turntables and free rigs
+    double least, most; // what is ok: beyond, results are worse or were not looked at
 } Trained;
 
 enum { AMBIENT = FFP_RIG_NUMBERS };
+// Rooms of `generate --room` have cameras 8 and projectors 7.8 radii away with fields of 20.9 degrees. There
+// the model is as good as the classical start: at new turns of ten rooms by -0.8 to 0.2 dB over the object,
+// 0.1 less in the mean, and by -0.4 to 0.6 dB over the picture, 0.2 more in the mean.
 static const Trained trained[] = {
-    [FFP_RIG_CAMERA_DISTANCE] = {2.9, 3.5, 0.6},
-    [FFP_RIG_PROJECTOR_DISTANCE] = {1.8, 2.5, 0.6},
-    [FFP_RIG_CAMERA_HEIGHT] = {-10, 10, 8},
-    [FFP_RIG_BETWEEN] = {15, 45, 5},
-    [FFP_RIG_CAMERA_FIELD] = {40, 40, 20},
-    [FFP_RIG_PROJECTOR_FIELD] = {55, 55, 30},
-    [FFP_RIG_ROLL] = {0, 0, 10},
-    [AMBIENT] = {0.07, 0.66, 0.07},
+    [FFP_RIG_CAMERA_DISTANCE] = {2.8, 3.6, 2.3, 8.1},
+    [FFP_RIG_PROJECTOR_DISTANCE] = {1.8, 2.5, 1.2, 7.9},
+    [FFP_RIG_CAMERA_HEIGHT] = {-40, 50, -48, 58},
+    [FFP_RIG_BETWEEN] = {15, 63, 10, 68},
+    [FFP_RIG_CAMERA_FIELD] = {34, 46, 20, 60},
+    [FFP_RIG_PROJECTOR_FIELD] = {55, 55, 20.9, 85},
+    [FFP_RIG_ROLL] = {-5, 5, -10, 10},
+    [AMBIENT] = {0.07, 0.66, 0, 0.73},
 };
 
 static void compare(FfpFindings *found, int which, FfpRange range) {
     const Trained *t = &trained[which];
-    const bool good = range.low >= t->low - t->margin && range.high <= t->high + t->margin;
+    const bool good = range.low >= t->least && range.high <= t->most;
     const double low = round(range.low * 100) / 100, high = round(range.high * 100) / 100;
     char seen[64], of_training[64], limits[64] = ""; // the latter are told where they decide
     if (low == high)
@@ -85,7 +88,7 @@ static void compare(FfpFindings *found, int which, FfpRange range) {
     else
         snprintf(of_training, sizeof of_training, "%.3g to %.3g", t->low, t->high);
     if (low < t->low || high > t->high)
-        snprintf(limits, sizeof limits, "; ok from %.3g to %.3g", t->low - t->margin, t->high + t->margin);
+        snprintf(limits, sizeof limits, "; ok from %.3g to %.3g", t->least, t->most);
     const FfpRuleId rule = (FfpRuleId)(FFP_RULE_CAMERA_DISTANCE + which);
     const double beyond = fmax(t->low - range.low, range.high - t->high); // the end that is farther out
     look(found, good, rule, (FfpRuleId)(FFP_RULE_UNUSUAL + which),

@@ -13,6 +13,7 @@
 #define PIXELS_A_VIEW 300
 #define PIXELS_A_GUESS 80
 #define PIXELS_LEAST 16 // fewer are not asked
+#define OUTLIERS 20     // one of so many, the worst, does not count in a guess: some lie beyond the sphere
 #define DEPTHS 128
 #define LIT 0.04F      // linear radiance that white must add in every channel
 #define ERROR_MAX 0.25 // of a pixel's mean square: highlights and shadow edges must not decide
@@ -20,6 +21,7 @@
 #define SHIFTS 6       // across the epipolar lines; along them the depth takes a shift up
 #define FAR 4          // shifts by a third of the pattern and round its edges: what chance explains
 #define ODD 0.93       // of a view's own error: a shift that leaves less explains it
+#define SURE 1.5       // and of its deviations over the pixels, by which it must leave less
 #define WORSE 2.5      // times the median error of the views
 #define ODD_MOST 3     // one of so many views that are lit may be odd
 #define CODE_OFF 4     // pattern pixels that a ray may pass its correspondence by
@@ -177,9 +179,15 @@ static void judge(const FfpView *view, const FfpSummed *pattern, const Sample *s
     }
 }
 
-// Sums of a view's squared errors for each variant; returns the number of its pixels.
-static int look_at_view(const FfpCapture *capture, const FfpView *view, const FfpSummed *summed, int pattern,
-                        const Variant *variants, double sums[VARIANTS]) {
+// A view's squared errors.
+typedef struct Sums {
+    int pixels;
+    double errors[VARIANTS]; // sums for each variant,
+    double mended[VARIANTS]; // and of the squares of what it takes from a pixel's
+} Sums;
+
+static Sums look_at_view(const FfpCapture *capture, const FfpView *view, const FfpSummed *summed, int pattern,
+                         const Variant *variants) {
     Sample *samples = ffp_alloc(PIXELS_A_VIEW, sizeof *samples);
     double(*best)[VARIANTS] = ffp_alloc(PIXELS_A_VIEW, sizeof *best);
     const int n = collect(capture, view, &view->images[pattern], PIXELS_A_VIEW, samples);
@@ -189,21 +197,30 @@ static int look_at_view(const FfpCapture *capture, const FfpView *view, const Ff
     set_usual(samples, n);
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < n; i++) judge(view, summed, &samples[i], variants, VARIANTS, across, side, best[i]);
+    Sums out = {.pixels = n};
     for (int i = 0; i < n; i++) {
-        for (int k = 0; k < VARIANTS; k++) sums[k] += best[i][k];
+        for (int k = 0; k < VARIANTS; k++) {
+            out.errors[k] += best[i][k];
+            out.mended[k] += pow(best[i][0] - best[i][k], 2);
+        }
     }
     ffp_free(samples);
     ffp_free(best);
     ffp_cancel_point();
-    return n;
+    return out;
 }
 
-// The shift across that explains a view best, 0: none does clearly better, and what it leaves of the error.
-static double shift_of(const Variant *variants, const double sums[VARIANTS], double *left) {
+// The shift across that explains a view best, 0: none does clearly better, and what it leaves of the error. A
+// few pixels may fit a shift by chance: those of sound views mend up to one deviation, those of a camera that
+// was bumped by a pixel 1.7 or more.
+static double shift_of(const Variant *variants, const Sums *own, double *left) {
+    const double *errors = own->errors;
     int best = 0;
-    for (int k = MIRRORS; k < MIRRORS + SHIFTS; k++) best = sums[k] < sums[best] ? k : best;
-    *left = sums[0] > 0 ? sqrt(sums[best] / sums[0]) : 1;
-    return *left < ODD ? variants[best].across : 0;
+    for (int k = MIRRORS; k < MIRRORS + SHIFTS; k++) best = errors[k] < errors[best] ? k : best;
+    const double mended = errors[0] - errors[best],
+                 deviation = sqrt(fmax(0, own->mended[best] - mended * mended / own->pixels));
+    *left = errors[0] > 0 ? sqrt(errors[best] / errors[0]) : 1;
+    return *left < ODD && mended > SURE * deviation ? variants[best].across : 0;
 }
 
 // The median error of the views that were asked, which have one.
@@ -232,13 +249,13 @@ static void look_at_views(FfpExplanation *out, const FfpCapture *capture, int pa
     int odd = 0, judged = 0;
     double *errors = ffp_alloc((size_t)capture->n_views, sizeof *errors);
     for (int v = 0; v < capture->n_views; v++) {
-        double own[VARIANTS] = {0};
         if (!capture->views[v].images[pattern].data) continue;
-        const int n = look_at_view(capture, &capture->views[v], summed, pattern, variants, own);
-        for (int k = 0; k < VARIANTS; k++) sums[k] += own[k];
+        const Sums own = look_at_view(capture, &capture->views[v], summed, pattern, variants);
+        const int n = own.pixels;
+        for (int k = 0; k < VARIANTS; k++) sums[k] += own.errors[k];
         out->pixels += n;
-        errors[v] = n >= PIXELS_LEAST ? sqrt(own[0] / n) : 0;
-        const double across = n >= PIXELS_LEAST ? shift_of(variants, own, &left) : 0;
+        errors[v] = n >= PIXELS_LEAST ? sqrt(own.errors[0] / n) : 0;
+        const double across = n >= PIXELS_LEAST ? shift_of(variants, &own, &left) : 0;
         judged += n >= PIXELS_LEAST;
         odd += across != 0;
         if (across == 0 || left >= least) continue;
@@ -300,6 +317,7 @@ double ffp_rig_guess(const FfpCapture *capture, const FfpView *view, const FfpGu
     Sample *samples = ffp_alloc(PIXELS_A_GUESS, sizeof *samples);
     const int n = collect(capture, view, guess->photograph, PIXELS_A_GUESS, samples);
     double *best = ffp_take(PIXELS_A_GUESS, sizeof *best), sum = 0;
+    const int kept = n - n / OUTLIERS;
     for (int i = 0; i < n; i++) {
         if (guess->reversed) reverse_channels(&samples[i]);
         if (guess->ideal) idealise(view, guess->pattern, side, &samples[i]);
@@ -307,11 +325,12 @@ double ffp_rig_guess(const FfpCapture *capture, const FfpView *view, const FfpGu
     set_usual(samples, n);
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < n; i++) judge(view, guess->pattern, &samples[i], &variant, 1, across, side, &best[i]);
-    for (int i = 0; i < n; i++) sum += best[i];
+    if (n > 0) ffp_rank(best, (size_t)n, (size_t)kept - 1);
+    for (int i = 0; i < kept; i++) sum += best[i];
     ffp_free(best);
     ffp_free(samples);
     ffp_cancel_point();
-    return n >= PIXELS_LEAST ? sqrt(sum / n) : NAN;
+    return n >= PIXELS_LEAST ? sqrt(sum / kept) : NAN;
 }
 
 bool ffp_rig_tells(const FfpCapture *capture, int pattern) {

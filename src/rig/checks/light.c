@@ -6,7 +6,8 @@
 #include "rig/checks/chord.h"
 #include "rig/checks/measure.h"
 
-#define LIT 0.02               // what white adds to a pixel that it lights, and a difference that counts
+#define LIT 0.02       // what white adds to a pixel that it lights, and a difference that counts;
+#define LIT_SHARE 0.05 // in dark photographs less, as a share of what it makes of a view's bright pixels
 #define LIT_IN_THE_MEAN 0.005F // likewise over the channels
 #define CLIPPED (254.5 / 255)  // encoded
 #define DARKER_SHARE 0.25      // of a view's object pixels
@@ -53,32 +54,41 @@ typedef struct Lit {
     size_t count;
 } Lit;
 
-static FfpObjectLight look_at_view(const FfpCapture *capture, const FfpView *view, bool reach, Lit *lit) {
+// 95 % of the object's pixels are darker under white.
+static float bright_of(const FfpView *view, int white) {
     const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
     float *values = ffp_alloc(pixels, sizeof *values);
-    FfpObjectLight out = {0};
     size_t n = 0;
+    for (size_t i = 0; i < pixels; i++)
+        if (!(view->coverage.data[i] < 0.5F))
+            values[n++] = (float)brightest(view->images[white].data + 3 * i);
+    const float bright = ffp_quantile(values, n, 0.95);
+    ffp_free(values);
+    return bright;
+}
+
+static FfpObjectLight look_at_view(const FfpCapture *capture, const FfpView *view, bool reach, Lit *lit) {
+    const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
+    FfpObjectLight out = {.bright = bright_of(view, capture->white)};
+    const double least = fmin(LIT, LIT_SHARE * (double)out.bright);
     for (size_t i = 0; i < pixels; i++) {
         const real *black = view->images[capture->black].data + 3 * i,
                    *white = view->images[capture->white].data + 3 * i;
         if (view->coverage.data[i] < 0.5F) continue;
         const double w = (double)brightest(white), b = (double)brightest(black);
         const real added = mean_of(white) - mean_of(black);
-        values[n++] = (float)w;
+        out.object++;
         out.black += (double)mean_of(black);
         out.added += (double)added;
         out.brightened += added > LIT_IN_THE_MEAN;
         out.clipped += (double)ffp_srgb_encode((real)w) >= CLIPPED;
         out.reversed += w < b - LIT;
-        if (w - b <= LIT) continue;
+        if (w - b <= least) continue;
         out.lit++;
         out.unreached += reach && !can_be_lit(capture, view, i);
         lit->white[lit->count] = (float)w;
         lit->share[lit->count++] = (float)(b / w);
     }
-    out.object = (double)n;
-    out.bright = ffp_quantile(values, n, 0.95);
-    ffp_free(values);
     ffp_cancel_point();
     return out;
 }

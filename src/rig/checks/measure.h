@@ -114,7 +114,8 @@ typedef struct FfpGuess {
     bool reversed;              // red and blue exchanged
     bool ideal;                 // not the photograph, but a flawless one of the lit pixels
 } FfpGuess;
-// The root mean square error of that in one view, of up to 80 of its pixels; NAN if fewer than 16 are lit.
+// The root mean square error of that in one view, of up to 80 of its pixels, without the worst of them; NAN
+// if fewer than 16 are lit.
 double ffp_rig_guess(const FfpCapture *capture, const FfpView *view, const FfpGuess *guess);
 
 // True if the photographs under a pattern can tell right poses from wrong ones. Those of stripes cannot: each
