@@ -111,7 +111,7 @@ bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err) {
                                 .refine = refine,
                                 .context = import};
     const bool ok =
-        (!import->stages || ffp_masks_compare_stage(&masking, err)) && ffp_masks_complete(&masking, err);
+        (!import->stages || ffp_masks_check_stage(&masking, err)) && ffp_masks_complete(&masking, err);
     ffp_free(paths);
     return ok;
 }

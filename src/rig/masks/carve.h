@@ -3,7 +3,7 @@
 #define FFP_RIG_CARVE_H
 
 #include "rig/masks/free_space.h"
-#include "rig/masks/masks.h"
+#include "rig/masks/steps.h"
 #include "rig/masks/voxels.h"
 
 typedef struct FfpHull {

@@ -7,7 +7,7 @@
 #include "rig/findings/tell.h"
 #include "rig/masks/limits.h"
 #include "rig/masks/local_mean.h"
-#include "rig/masks/masks.h"
+#include "rig/masks/steps.h"
 
 static void note_stage(const FfpMasking *masking, const FfpStageMasks *report, const char *from) {
     ffp_note(

@@ -4,7 +4,7 @@
 #include "core/numerics/rank.h"
 #include "rig/masks/limits.h"
 #include "rig/masks/local_mean.h"
-#include "rig/masks/masks.h"
+#include "rig/masks/steps.h"
 
 typedef struct Level { // of what is darker than the median
     double middle, deviation;

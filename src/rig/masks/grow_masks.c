@@ -4,7 +4,7 @@
 #include "core/base/call.h"
 #include "rig/checks/chord.h"
 #include "rig/masks/limits.h"
-#include "rig/masks/masks.h"
+#include "rig/masks/steps.h"
 #include "rig/masks/voxels.h"
 
 // RUN: of a ray's samples in a row that must be possible, 7 % of the object's width: the hull is larger than

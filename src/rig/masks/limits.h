@@ -11,7 +11,7 @@
 #define LAYER_RELATIVE 0.06    // of the light
 #define LAYER_EDGE 0.15        // of what a pixel's neighbours differ by
 
-// --- A view beside the stage (stage.c). ---
+// --- A view beside the stage (stage_pixels.c). ---
 
 #define STAGE_NOISE_MOST 0.1 // of what pictures can hold: more is another room
 #define LIT_NOISE 10         // times the noise that white adds
@@ -78,7 +78,7 @@
 #define EDGE_SHARE_LEAST 0.06 // less is none
 #define EDGE_BRIGHTEST 1.3    // of the stage near the object over the empty one
 
-// --- The stage from what the views share, where it was not photographed (common_stage.c). ---
+// --- The stage from what the views share, where it was not photographed (stage_common.c). ---
 
 #define COMMON_SHARE_LEAST 0.3  // of the views, which must share a look
 #define COMMON_BRIGHTER 2.0     // times as much of white: the other look is a shadow
@@ -118,7 +118,7 @@
 #define MASKS_GAIN_MOST 1.1     // either way, by which the light may have changed without a word
 #define MASKS_VIEWS_GROWN 4     // from which on views know enough of each other
 
-// --- The room's light under black, against the empty stage's (compare_stage.c). ---
+// --- The room's light under black, against the empty stage's (stage_doubts.c). ---
 
 #define ROOM_LIGHT_LEAST 0.001 // of full scale, by which the room's light must differ, and LIGHT_CHANGE
 

@@ -4,7 +4,7 @@
 #include "core/base/arena.h"
 #include "rig/graycode/graycode.h"
 #include "rig/masks/limits.h"
-#include "rig/masks/masks.h"
+#include "rig/masks/steps.h"
 
 #define BINS 256
 

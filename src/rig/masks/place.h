@@ -2,7 +2,7 @@
 #ifndef FFP_RIG_PLACE_H
 #define FFP_RIG_PLACE_H
 
-#include "rig/masks/masks.h"
+#include "rig/masks/steps.h"
 
 // Marks [height*width] the pixels whose look in *stage, which ffp_common_stage found, is not the stage but
 // an object that looks the same from all sides. Depth is where the patterns explain the stage's pictures

@@ -2,7 +2,7 @@
 #ifndef FFP_RIG_SHADE_H
 #define FFP_RIG_SHADE_H
 
-#include "rig/masks/masks.h"
+#include "rig/masks/steps.h"
 
 // Marks those pixels of a view's mask [height*width] that are the stage in the object's shadow, though a hull
 // allows the object there, and returns the marks (the caller frees them). They are as dark, as a share of the

@@ -2,7 +2,7 @@
 #include "core/base/alloc.h"
 #include "rig/masks/limits.h"
 #include "rig/masks/local_mean.h"
-#include "rig/masks/masks.h"
+#include "rig/masks/steps.h"
 
 typedef struct Sample {          // of one picture at a pixel
     bool known;                  // there is object as well as background nearby

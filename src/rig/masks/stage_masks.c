@@ -4,8 +4,8 @@
 #include "rig/checks/chord.h"
 #include "rig/masks/carve.h"
 #include "rig/masks/limits.h"
-#include "rig/masks/masks.h"
 #include "rig/masks/shade.h"
+#include "rig/masks/steps.h"
 
 typedef struct Work {
     FfpCapture *capture;

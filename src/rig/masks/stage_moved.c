@@ -1,7 +1,7 @@
 #include <tgmath.h>
 #include "core/base/alloc.h"
 #include "rig/masks/limits.h"
-#include "rig/masks/masks.h"
+#include "rig/masks/steps.h"
 
 typedef struct Small {
     int width, height;

@@ -4,7 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 #include "rig/masks/free_space.h"
-#include "rig/masks/masks.h"
+#include "rig/masks/steps.h"
 #include "support.h"
 
 enum { VIEWS = 8, WIDTH = 120, HEIGHT = 96, PATTERNS = 3, PANEL_WIDTH = 256, PANEL_HEIGHT = 128 };
@@ -280,7 +280,7 @@ static bool compare_with_stage(void *room, FfpError *e) {
     bool made[VIEWS];
     FfpEmptyStage stages[VIEWS];
     for (int v = 0; v < VIEWS; v++) made[v] = true, stages[v] = r->stage;
-    return ffp_masks_compare_stage(&(FfpMasking){.capture = &r->capture, .made = made, .stages = stages}, e);
+    return ffp_masks_check_stage(&(FfpMasking){.capture = &r->capture, .made = made, .stages = stages}, e);
 }
 
 // The finding about the room's stage.

@@ -1,7 +1,7 @@
 // The displacement between an empty stage and a view, of textures that are moved, exposed otherwise and
 // covered.
 #include "core/base/rng.h"
-#include "rig/masks/masks.h"
+#include "rig/masks/steps.h"
 #include "support.h"
 
 enum { WIDTH = 240, HEIGHT = 180, CELL = 7 };

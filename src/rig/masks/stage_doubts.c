@@ -4,7 +4,7 @@
 #include "core/numerics/rank.h"
 #include "rig/findings/tell.h"
 #include "rig/masks/limits.h"
-#include "rig/masks/masks.h"
+#include "rig/masks/steps.h"
 
 // Names what was bumped or photographed from another place: most views, then it is the stage, or one of them.
 static void warn_of_displacement(const FfpMasking *masking) {
@@ -73,7 +73,7 @@ static bool check_order(const FfpMasking *masking, FfpError *err) {
     return true;
 }
 
-bool ffp_masks_compare_stage(const FfpMasking *masking, FfpError *err) {
+bool ffp_masks_check_stage(const FfpMasking *masking, FfpError *err) {
     if (!check_order(masking, err)) return false;
     warn_of_displacement(masking);
     warn_of_other_room_light(masking);

@@ -5,8 +5,8 @@
 #include "rig/masks/layers.h"
 #include "rig/masks/limits.h"
 #include "rig/masks/local_mean.h"
-#include "rig/masks/masks.h"
 #include "rig/masks/place.h"
+#include "rig/masks/steps.h"
 
 static const double near_and_far[3] = {0.05, 0.02, 0.008}; // Gaussians, of the picture's longer side
 enum { SIDE = 5, AROUND_LEAST = 4, ROUNDS = 200 };         // pixels around one; which must be known

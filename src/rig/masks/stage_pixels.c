@@ -3,7 +3,7 @@
 #include "core/numerics/rank.h"
 #include "rig/masks/layers.h"
 #include "rig/masks/limits.h"
-#include "rig/masks/masks.h"
+#include "rig/masks/steps.h"
 
 typedef struct Comparison {
     const FfpLayers *view, *stage;
