@@ -5,6 +5,7 @@
 #include <unistd.h>
 #include "board_rig.h"
 #include "ffprocams.h"
+#include "rig/findings/rules.h"
 #include "rig/optics/calibration.h"
 #include "rig/turntable/turntable.h"
 
@@ -18,9 +19,14 @@ static void keep_note(void *user, FfpLogLevel level, const char *text) {
     strncat(notes, "\n", sizeof notes - strlen(notes) - 1);
 }
 
+static void keep_finding(void *user, const FfpFinding *finding) {
+    keep_note(user, FFP_LOG_NOTE, finding->code);
+    keep_note(user, FFP_LOG_NOTE, finding->text);
+}
+
 static FfpContext *listening(void) {
     FfpContextSettings settings = ffp_context_defaults();
-    settings.log = keep_note;
+    settings.log = keep_note, settings.finding = keep_finding;
     notes[0] = 0;
     return ffp_context_new(&settings, NULL);
 }
@@ -214,6 +220,7 @@ static void refused(FfpRigCalibration *o, const char *const *words) {
 typedef struct Fault {
     const char *command;
     int width, height; // of the panel; 0: its own
+    FfpRuleId rule;    // whose remedy the error must contain; 0: the words alone tell
     const char *words[3];
 } Fault;
 
@@ -222,77 +229,85 @@ typedef struct Fault {
 
 static const Fault faults[] = {
     // Photographs that are missing, too many, or no photographs.
-    {"rm " SHOT(9), 0, 0, {"bad: 33 photographs", "requires 34"}},
-    {"cp bad/shot_9.png bad/shot_9b.png", 0, 0, {"bad: 35 photographs", "requires 34"}},
-    {"rm bad/*", 0, 0, {"no photographs in this folder or its subfolders"}},
-    {"rm -r bad", 0, 0, {"no photographs in this folder or its subfolders"}},
-    {"head -c 500 bad/shot_5.png > x && mv x bad/shot_5.png", 0, 0, {"bad: ", "bad/shot_5.png"}},
-    {"printf GIF89a > bad/shot_6.png", 0, 0, {"bad: ", "bad/shot_6.png"}},
-    {": > bad/shot_7.png", 0, 0, {"bad: file is empty", "bad/shot_7.png"}},
+    {"rm " SHOT(9), 0, 0, 0, {"bad: 33 photographs", "requires 34"}},
+    {"cp bad/shot_9.png bad/shot_9b.png", 0, 0, 0, {"bad: 35 photographs", "requires 34"}},
+    {"rm bad/*", 0, 0, 0, {"no photographs in this folder or its subfolders"}},
+    {"rm -r bad", 0, 0, 0, {"no photographs in this folder or its subfolders"}},
+    {"head -c 500 bad/shot_5.png > x && mv x bad/shot_5.png", 0, 0, 0, {"bad: ", "bad/shot_5.png"}},
+    {"printf GIF89a > bad/shot_6.png", 0, 0, 0, {"bad: ", "bad/shot_6.png"}},
+    {": > bad/shot_7.png", 0, 0, 0, {"bad: file is empty", "bad/shot_7.png"}},
     // Black and white.
     {"mv bad/shot_2.png bad/shot_50.png",
      0,
      0,
+     0,
      {"neither the first two photographs nor the last two", "shot_1.png"}},
-    {"cp bad/shot_2.png bad/shot_1.png", 0, 0, {"'shot_1.png' and 'shot_2.png' show the same"}},
+    {"cp bad/shot_2.png bad/shot_1.png", 0, 0, FFP_RULE_WHITE_IS_BLACK, {"'shot_1.png' and 'shot_2.png'"}},
     {"cd bad && for i in $(seq 34 -1 2); do cp shot_$((i-1)).png shot_$i.png; done",
      0,
      0,
-     {"every photograph shows the pattern before its own",
-      "'shot_2.png' shows black and 'shot_3.png' white"}},
+     FFP_RULE_ONE_LATE,
+     {"'shot_2.png'", "'shot_3.png'"}},
     {"cd bad && for i in $(seq 34 -1 14); do cp shot_$((i-1)).png shot_$i.png; done",
      0,
      0,
-     {"from 'shot_14.png' on every photograph shows the pattern before its own"}},
+     FFP_RULE_LATE_FROM,
+     {"'shot_14.png'"}},
     {"cd bad && for i in $(seq 34 -1 21); do cp shot_$((i-1)).png shot_$i.png; done",
      0,
      0,
-     {"from 'shot_21.png' on every photograph shows the pattern before its own"}},
-    {"for f in bad/*; do : > ${f%.png}.CR2; done", 0, 0, {"34 photographs exist twice", "shot_1.CR2"}},
-    {"for f in bad/*; do cp $f ${f%.png}.jpg; done", 0, 0, {"34 photographs exist twice", "shot_1.jpg"}},
+     FFP_RULE_LATE_FROM,
+     {"'shot_21.png'"}},
+    {"for f in bad/*; do : > ${f%.png}.CR2; done", 0, 0, FFP_RULE_RAW_AND_JPEG, {"shot_1.CR2"}},
+    {"for f in bad/*; do cp $f ${f%.png}.jpg; done", 0, 0, FFP_RULE_RAW_AND_JPEG, {"shot_1.jpg"}},
     {"for f in bad/*; do cp ../shots/pose_2/shot_1.png $f; done",
      0,
      0,
+     0,
      {"black and white cannot be told apart", "shot_1.png"}},
-    {"for f in bad/*; do cp ../full.png $f; done",
-     0,
-     0,
-     {"100 % of 'shot_2.png' are at the camera's limit", "overexposed"}},
+    {"for f in bad/*; do cp ../full.png $f; done", 0, 0, FFP_RULE_PLAIN_CLIPPED, {"'shot_2.png'"}},
     {"cp ../twelve_1.png " SHOT(1) " && cp ../twelve_2.png " SHOT(2),
      0,
      0,
-     {"no value of 'shot_2.png'", "as of 12 bits in files of 16"}},
+     FFP_RULE_CODES_FEW_BITS,
+     {"'shot_2.png'"}},
     // Numbers.
-    {SWAP(11, 12), 0, 0, {"shot_11.png and shot_12.png", "swapped, a code and its inverse"}},
-    {SWAP(27, 29) " && " SWAP(28, 30), 0, 0, {"pairs of shot_27.png and shot_29.png", "swapped"}},
-    {SWAP(13, 26), 0, 0, {"'shot_14.png' are not each other's inverse", "bad/shot_13.png"}},
+    {SWAP(11, 12), 0, 0, 0, {"shot_11.png and shot_12.png", "swapped, a code and its inverse"}},
+    {SWAP(27, 29) " && " SWAP(28, 30), 0, 0, 0, {"pairs of shot_27.png and shot_29.png", "swapped"}},
+    {SWAP(13, 26), 0, 0, 0, {"'shot_14.png' are not each other's inverse", "bad/shot_13.png"}},
     {"cp bad/shot_13.png bad/shot_14.png",
      0,
      0,
+     0,
      {"'shot_14.png' are not each other's inverse", "bad/shot_13.png"}},
-    {SWAP(3, 4), 0, 0, {"the board's mirror image", "the coarsest code of the columns"}},
+    {SWAP(3, 4), 0, 0, 0, {"the board's mirror image", "the coarsest code of the columns"}},
     {"for i in $(seq 3 18); do j=$((i+16)); mv bad/shot_$i.png x; mv bad/shot_$j.png bad/shot_$i.png; mv x "
      "bad/shot_$j.png; done",
      0,
      0,
+     0,
      {"the board's mirror image", "columns are swapped with rows"}},
-    {"true", 130, PANEL_H, {"columns beyond the panel's 130", "has another size"}},
-    {"true", 1024, PANEL_H, {"of 1024 x 190 pixels requires 38"}},
+    {"true", 130, PANEL_H, 0, {"columns beyond the panel's 130", "has another size"}},
+    {"true", 1024, PANEL_H, 0, {"of 1024 x 190 pixels requires 38"}},
     // Light, size, board.
     {"cp ../dim_0.png bad/shot_9.png && cp ../dim_1.png bad/shot_10.png",
      0,
      0,
+     0,
      {"darker than black and white", "bad/shot_9.png"}},
-    {"cp ../dim_1.png bad/shot_10.png", 0, 0, {"darker than black and white", "bad/shot_10.png"}},
+    {"cp ../dim_1.png bad/shot_10.png", 0, 0, 0, {"darker than black and white", "bad/shot_10.png"}},
     {"cp ../small.png bad/shot_20.png",
+     0,
      0,
      0,
      {"image is 200 x 100, but the others are 480 x 360", "bad/shot_20.png"}},
     {"cp ../small.png bad/shot_2.png",
      0,
      0,
+     0,
      {"image is 200 x 100, but 'shot_1.png' is 480 x 360", "bad/shot_2.png"}},
     {"rm -r bad && cp -r ../bare bad",
+     0,
      0,
      0,
      {"no chessboard with 7 x 5 inner corners in any of 1 attitudes"}},
@@ -326,7 +341,8 @@ static void what_is_wrong_is_named(void **state) {
         snprintf(folder, sizeof folder, "%s/fault", scratch);
         FfpRigCalibration o = settings_of(&named, 1);
         if (faults[i].width > 0) o.width = faults[i].width, o.height = faults[i].height;
-        const char *words[4] = {faults[i].words[0], faults[i].words[1], faults[i].words[2], NULL};
+        const char *remedy = faults[i].rule ? ffp_rule(faults[i].rule)->advice : faults[i].words[0];
+        const char *words[5] = {remedy, faults[i].words[0], faults[i].words[1], faults[i].words[2], NULL};
         refused(&o, words);
     }
 }
@@ -463,8 +479,8 @@ static void a_bad_one_is_left_out(void **state) {
     if (!ffp_calibrate_rig(context, &o, &stats, &err)) fail_msg("%s", err.text);
     ffp_context_free(context);
     assert_true(stats.attitudes == 4 && stats.used == 3);
-    assert_non_null(strstr(notes, "bad is left out: 33 photographs"));
-    assert_non_null(strstr(notes, "do not determine")); // three attitudes are few for five lens terms
+    assert_non_null(strstr(notes, "attitudes-left-out\nbad "));
+    assert_non_null(strstr(notes, "lens-terms-")); // three attitudes are few for five lens terms
 }
 
 // Folders with a photograph of everything that was shown give what black, white and the codes alone do; of
@@ -499,7 +515,7 @@ static void everything_that_was_shown(void **state) {
     ffp_free(text[0]), ffp_free(text[1]);
     // The terms that are open were tried on boards held out.
     printf("%s", notes);
-    assert_non_null(strstr(notes, "held out are then off by 0."));
+    assert_non_null(strstr(notes, "lens-terms-to-fix\n"));
     snprintf(command, sizeof command, "rm '%s'/pose_[1-4]/shot_[89].png", folder);
     assert_int_equal(system(command), 0);
     FfpRigCalibration o = settings_of(&folder, 1);
