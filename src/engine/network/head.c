@@ -201,7 +201,7 @@ void ffp_head_backward(real *dmap, real *grad, FfpHead *head, int64_t first, int
         FfpPixelLayers layers = ffp_pixel_layers(head, first, count, model);
         if (!head->looks_only)
             ffp_pixel_layers_backward(head->dgathered, grad, head, &layers, count, draw, model);
-        for (int i = 0; i < model->config.looks; i++) {
+        for (int i = 0; i < head->looks; i++) {
             layers = look_layers(head, seen[i] + first * (FFP_LOOK_SEEN + head->widths.numbers), i, model);
             ffp_pixel_layers_backward(head->dgathered, grad, head, &layers, count, draw, model);
         }

@@ -8,7 +8,6 @@
 #define FFP_CONV_TAPS 4
 #define FFP_MLP_RATIO 4
 #define FFP_HIDDEN_LAYERS 2 // of the pixel MLP
-#define FFP_LOOKS_MAX 4
 #define FFP_TOKENS_MAX 65536
 
 // All fields are offsets. parameters.c gives their shapes.

@@ -12,6 +12,7 @@
 #include "engine/match/match.h"
 
 #define FFP_MODULES_MAX 128
+#define FFP_LOOKS_MAX 4
 
 typedef struct FfpModelConfig {
     char name[32];                 // "tiny", "small", "paper", ...
@@ -102,6 +103,7 @@ typedef struct FfpRun {
     // Blocks keep only their inputs, and are run again for their gradients (Chen et al. 2016, section 4):
     // about a third more work, the memory of two blocks instead of all, the same bits.
     bool recompute;
+    int looks;       // of the model's, how many to take at most. A fit begins before any (ffp_run_new: all)
     bool looks_only; // ffp_model_backward gives the gradients of the looks' layers alone
     // Called repeatedly by ffp_model_backward, or NULL: grad_values is complete from `first` on. `first`
     // decreases down to 0.

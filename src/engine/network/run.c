@@ -3,6 +3,7 @@
 #include <string.h>
 #include "core/base/call.h"
 #include "core/base/device.h"
+#include "core/base/integer.h"
 #include "core/tensor/tensor.h"
 #include "engine/network/blocks.h"
 #include "engine/network/inputs.h"
@@ -52,6 +53,7 @@ FfpRun *ffp_run_new(bool backward) {
     run->activations = ffp_alloc(1, sizeof *run->activations);
     run->activations->arena = ffp_arena_new();
     run->activations->backward = backward;
+    run->looks = FFP_LOOKS_MAX;
     return run;
 }
 
@@ -304,9 +306,10 @@ static bool pass_forward(FfpRun *run, const FfpModel *model, const char *name, F
     encode(at, model, times);
     double last = ffp_seconds();
     at->head.count = at->pixels.count;
+    at->head.looks = ffp_smaller(run->looks, model->config.looks);
     head_forward(at, model);
     bool ok = ffp_pixels_splat(&at->pixels, run, &model->config);
-    for (int i = 0; ok && i < model->config.looks; i++) {
+    for (int i = 0; ok && i < at->head.looks; i++) {
         look(run, model, i);
         ok = ffp_pixels_splat(&at->pixels, run, &model->config);
     }
@@ -371,7 +374,9 @@ bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *cap
     at->head.context = start ? &context->start : NULL;
     at->head.pixel = run->pixel;
     ffp_look_photographs_free(at->photographs);
-    at->photographs = config->looks ? ffp_look_photographs_new(capture, source.views, active) : NULL;
+    at->photographs = ffp_smaller(run->looks, config->looks) > 0
+                          ? ffp_look_photographs_new(capture, source.views, active)
+                          : NULL;
     ffp_lap(&last, &forward_times(run)->tokenise);
     return pass_forward(run, model, capture->name, err);
 }

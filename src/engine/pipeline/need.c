@@ -99,7 +99,8 @@ static double draw_bytes(const FfpProblemSize *s, int samples) {
 
 // Of the context: inputs, activations of the blocks, features of its pixels, and where it is a capture of its
 // own, that and its matching. Of the splats: what the heads start from, raw numbers, result and its copy.
-// A look takes photographs and errors of all views, and the splats again. Then both predictions are drawn.
+// A look, where no fit follows, takes photographs and errors of all views, and the splats again. Then both
+// predictions are drawn.
 static double network_bytes(const FfpProblemSize *s) {
     const FfpModelConfig *c = s->network;
     if (!c) return 0;
@@ -109,7 +110,7 @@ static double network_bytes(const FfpProblemSize *s) {
     const double blocks = 36.0 * c->dim; // all blocks of a kind work in the same memory
     const double context = own > tokens ? match_bytes(s, tokens * patch) + more_bytes(s, tokens * patch) : 0;
     const double looks =
-        c->looks ? LOOK * pixels_of(s) + draw_bytes(s, c->samples) + SPLAT * splats_of(s) : 0;
+        c->looks && !s->polish ? LOOK * pixels_of(s) + draw_bytes(s, c->samples) + SPLAT * splats_of(s) : 0;
     const double forward =
         REAL * tokens * (inputs + blocks) + context + (4 * SPLAT + 6 * REAL) * splats_of(s) + looks;
     return fmax(forward, SPLAT * splats_of(s) + photograph_bytes(s) + draw_bytes(s, 1) +

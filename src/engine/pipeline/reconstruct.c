@@ -53,11 +53,13 @@ static const int *patterns_of(const Work *w, int *n) {
 }
 
 // On the device that long work may use, or the CPU.
-static bool run_network(Work *w, const FfpModel *model, const FfpPixelContext *context, FfpError *err) {
+static bool run_network(Work *w, const FfpModel *model, const FfpPixelContext *context, bool fitted,
+                        FfpError *err) {
     const FfpDevice *device = ffp_device_offered();
     ffp_device_use(device);
     FfpModel there = device ? ffp_model_uploaded(model) : *model;
     FfpRun *run = ffp_run_new(false);
+    if (fitted) run->looks = 0;
     const bool ok =
         ffp_model_forward(&there, run, &w->padded, &w->start, context, w->photographs[FIRST_PATTERN], err);
     if (ok) { // the run's own live only as long as the run
@@ -71,14 +73,14 @@ static bool run_network(Work *w, const FfpModel *model, const FfpPixelContext *c
     return ok;
 }
 
-// Its tokens are matched with all patterns.
-static bool predict_by_network(Work *w, const FfpModel *model, FfpError *err) {
+// Its tokens are matched with all patterns. fitted: a fit follows.
+static bool predict_by_network(Work *w, const FfpModel *model, bool fitted, FfpError *err) {
     int n;
     const int *patterns = patterns_of(w, &n);
     FfpPixelContext context;
     if (!ffp_pixel_context_new(&context, &model->config, &w->padded, &w->start, patterns, n, err))
         return false;
-    const bool ok = run_network(w, model, &context, err);
+    const bool ok = run_network(w, model, &context, fitted, err);
     ffp_pixel_context_free(&context);
     return ok;
 }
@@ -175,7 +177,7 @@ static bool predict(Work *w, const FfpReconstruction *options, FfpReconstruction
     }
     begin = ffp_seconds();
     stage = ffp_task("network", 0);
-    const bool predicted = predict_by_network(w, options->model, err);
+    const bool predicted = predict_by_network(w, options->model, options->polish != 0, err);
     ffp_task_end(&stage);
     if (!predicted) return false;
     keep_initial_if_better(w, options, stats);

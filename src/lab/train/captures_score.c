@@ -43,12 +43,17 @@ static double sum_of(Scoring *s, const FfpScene *scene, const FfpGaussians *gaus
     return sum;
 }
 
+static bool predict(FfpRun *run, const FfpModel *model, const FfpScene *scene, int looks, FfpError *err) {
+    run->looks = looks;
+    return ffp_model_forward(model, run, &scene->inputs, &scene->start, &scene->context, scene->active, err);
+}
+
 static bool score_scene(Scoring *s, const FfpModel *model, FfpRun *run, const FfpScene *scene, int number,
                         FfpError *err) {
-    if (!ffp_model_forward(model, run, &scene->inputs, &scene->start, &scene->context, scene->active, err))
-        return false;
     int photographs;
+    if (!predict(run, model, scene, FFP_LOOKS_MAX, err)) return false;
     const double alone = sum_of(s, scene, &run->gaussians, &photographs);
+    if (model->config.looks > 0 && !predict(run, model, scene, 0, err)) return false;
     FfpGaussians polished = ffp_gaussians_copy(&run->gaussians);
     const bool ok = ffp_scene_polish(&polished, s->config, &s->settings, scene, (uint64_t)number, err);
     if (ok) {

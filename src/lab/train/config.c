@@ -365,8 +365,10 @@ static bool check_together(const FfpTrainConfig *c, const char *where, FfpError 
     if (c->captures[0] && c->scenes[0])
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "captures").text,
                         "captures and scenes cannot be combined");
-    if (c->looks_only && c->model.looks == 0)
-        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "looks_only").text, "the model has no looks");
+    if (c->looks_only && (c->model.looks == 0 || c->polish_share > 0))
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "looks_only").text,
+                        c->model.looks == 0 ? "the model has no looks"
+                                            : "a fit begins before the looks: polish_share must be 0");
     return (!c->captures[0] || check_with_captures(c, where, err)) && check_mixture(c, where, err);
 }
 

@@ -257,17 +257,6 @@ static bool supervise_polished(FfpTrainStep *s, const FfpScene *scene, int64_t s
     return ok;
 }
 
-static bool supervise_scene(FfpTrainStep *s, const FfpScene *scene, int64_t draw, FfpLosses *losses,
-                            FfpError *err) {
-    const FfpTrainConfig *c = s->config;
-    const int64_t step = draw / c->batch;
-    FfpRng rng = ffp_rng((uint64_t)c->seed, (uint64_t)draw);
-    if (c->polish_share > 0 && ffp_rng_uniform(&rng) < c->polish_share)
-        return supervise_polished(s, scene, step, &rng, losses, err);
-    supervise(s, scene, &s->run->gaussians, step, &rng, losses);
-    return true;
-}
-
 static bool predict(FfpTrainStep *s, const FfpModel *model, const FfpScene *scene, FfpError *err) {
     if (ffp_device()) return ffp_model_forward_prepared(model, s->run, scene->prepared, err);
     return ffp_model_forward(model, s->run, &scene->inputs, &scene->start, &scene->context, scene->active,
@@ -277,6 +266,10 @@ static bool predict(FfpTrainStep *s, const FfpModel *model, const FfpScene *scen
 bool ffp_train_step_loss(FfpTrainStep *s, const FfpModel *model, const FfpScene *scene, int64_t draw,
                          FfpLosses *losses, real *grad, FfpError *err) {
     const FfpTrainConfig *c = s->config;
+    const int64_t step = draw / c->batch;
+    FfpRng rng = ffp_rng((uint64_t)c->seed, (uint64_t)draw);
+    const bool polished = c->polish_share > 0 && ffp_rng_uniform(&rng) < c->polish_share;
+    s->run->looks = polished ? 0 : FFP_LOOKS_MAX;
     *losses = (FfpLosses){0};
     s->profile = (FfpProfile){0};
     double clock = ffp_seconds();
@@ -286,7 +279,11 @@ bool ffp_train_step_loss(FfpTrainStep *s, const FfpModel *model, const FfpScene 
     ffp_losses_defer(); // on a device all values are waited for at once
     add(losses, FFP_TERM_DIRECT_T, direct_loss(s, scene, (real)c->direct_t));
 
-    const bool ok = supervise_scene(s, scene, draw, losses, err);
+    bool ok = true;
+    if (polished)
+        ok = supervise_polished(s, scene, step, &rng, losses, err);
+    else
+        supervise(s, scene, &s->run->gaussians, step, &rng, losses);
     ffp_losses_collect();
     if (!ok) return false;
     for (int i = 0; i < FFP_LOSS_TERMS; i++) losses->total += losses->term[i];

@@ -122,11 +122,17 @@ typedef struct Validation { // one call of ffp_validate
     Tally start_rendering, start_novel_pose, depth;
 } Validation;
 
-// Scores the prediction in the run, and what a fit makes of it.
+static bool predict(Validation *v, const FfpScene *scene, int looks, FfpError *err) {
+    v->run->looks = looks;
+    return ffp_model_forward(v->model, v->run, &scene->inputs, &scene->start, &scene->context, scene->active,
+                             err);
+}
+
+// Scores the prediction in the run, and what a fit makes of the one before looks.
 static bool score_both(Validation *v, const FfpScene *scene, int number, Scores *scores, FfpError *err) {
-    const FfpGaussians *prediction = &v->run->gaussians;
-    score(&v->viewer, scene, prediction, &scores->rendering, &scores->novel_pose);
-    FfpGaussians polished = ffp_gaussians_copy(prediction);
+    score(&v->viewer, scene, &v->run->gaussians, &scores->rendering, &scores->novel_pose);
+    if (v->model->config.looks > 0 && !predict(v, scene, 0, err)) return false;
+    FfpGaussians polished = ffp_gaussians_copy(&v->run->gaussians);
     const bool ok = ffp_scene_polish(&polished, v->config, &v->viewer.settings, scene, (uint64_t)number, err);
     if (ok) score(&v->viewer, scene, &polished, &scores->polished_rendering, &scores->polished_novel_pose);
     ffp_gaussians_free(&polished);
@@ -136,8 +142,7 @@ static bool score_both(Validation *v, const FfpScene *scene, int number, Scores 
 static bool validate_turntable(Validation *v, int number, FfpError *err) {
     FfpScene scene;
     if (!ffp_scene_open(&scene, v->config, NULL, "validation", number, err)) return false;
-    bool ok =
-        ffp_model_forward(v->model, v->run, &scene.inputs, &scene.start, &scene.context, scene.active, err);
+    bool ok = predict(v, &scene, FFP_LOOKS_MAX, err);
     if (ok) {
         FfpGaussians start = ffp_initialisation_gaussians(&scene.inputs, &scene.start);
         score(&v->viewer, &scene, &start, &v->start_rendering, &v->start_novel_pose);
@@ -154,9 +159,7 @@ static bool validate_turntable(Validation *v, int number, FfpError *err) {
 static bool validate_free(Validation *v, int number, FfpError *err) {
     FfpScene scene;
     if (!ffp_scene_open_free(&scene, v->config, number, err)) return false;
-    const bool ok =
-        ffp_model_forward(v->model, v->run, &scene.inputs, &scene.start, &scene.context, scene.active, err) &&
-        score_both(v, &scene, number, &v->free, err);
+    const bool ok = predict(v, &scene, FFP_LOOKS_MAX, err) && score_both(v, &scene, number, &v->free, err);
     ffp_scene_close(&scene);
     return ok;
 }

@@ -1,6 +1,7 @@
 // A reconstruction is never worse on its photographs than the classical initialisation: weights that spoil it
-// are left out.
+// are left out, and looks serve the network alone.
 #include <stdlib.h>
+#include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/rng.h"
 #include "core/gaussians/gaussians.h"
@@ -66,6 +67,39 @@ static void test_a_network_that_loses_is_dropped(void **state) {
     ffp_capture_close(capture);
 }
 
+// A fit begins before the looks, so that they change nothing there.
+static void test_a_fit_begins_before_looks(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpCapture *capture = ffp_capture_open(NULL, scratch, &err);
+    assert_non_null(capture);
+    FfpModelConfig config;
+    assert_true(ffp_model_preset(&config, "tiny"));
+    FfpModel *without = ffp_model_new(&config, 1, &err);
+    config.looks = 2;
+    FfpModel *with = ffp_model_new(&config, 2, &err);
+    ffp_model_take_over(with, without);
+    FfpRng rng = ffp_rng(7, 1);
+    for (int64_t i = without->count; i < with->count; i++)
+        if (with->values[i] == 0) with->values[i] = 1e-3F * (real)ffp_rng_normal(&rng);
+    FfpReconstructionStats stats;
+    for (int steps = 0; steps < 6; steps += 5) {
+        FfpGaussians *a = reconstruct(capture, without, steps, &stats),
+                     *b = reconstruct(capture, with, steps, &stats);
+        assert_false(stats.network_dropped);
+        if (steps)
+            assert_same(a, b);
+        else
+            assert_true(a->count != b->count ||
+                        memcmp(a->albedo, b->albedo, sizeof(real) * 3 * (size_t)a->count) != 0);
+        ffp_gaussians_close(a);
+        ffp_gaussians_close(b);
+    }
+    ffp_model_close(without);
+    ffp_model_close(with);
+    ffp_capture_close(capture);
+}
+
 // Whatever repeats is left out before anything looks at it.
 static void test_views_given_twice_change_nothing(void **state) {
     (void)state;
@@ -95,6 +129,7 @@ static int setup(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_network_that_loses_is_dropped),
+        cmocka_unit_test(test_a_fit_begins_before_looks),
         cmocka_unit_test(test_views_given_twice_change_nothing),
     };
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
