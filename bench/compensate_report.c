@@ -269,7 +269,8 @@ static bool has_depth(const FfpCapture *capture, FfpError *err) {
 }
 
 static bool run_capture(Bench *bench, const char *path, Figures *sum, FfpError *err) {
-    const FfpReconstruction how = {.model = bench->model,
+    const FfpReconstruction how = {.size = sizeof how,
+                                   .model = bench->model,
                                    .polish = FFP_POLISH_STEPS,
                                    .noise = FFP_NOISE_ESTIMATED,
                                    .layers = FFP_LAYERS_AUTO};

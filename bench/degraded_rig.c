@@ -223,6 +223,7 @@ static bool import(FfpCapture *capture, const FfpCapture *seen, unsigned faults,
     snprintf(images, sizeof images, "%s/{index}_{pattern}.png", folder);
     snprintf(mask, sizeof mask, "%s/{index}_mask.png", folder);
     const FfpImport options = {
+        .size = sizeof options,
         .calibrations = calibrations,
         .n_calibrations = 1,
         .turntable = turntable_of(&seen->views[0], faults),
@@ -301,7 +302,8 @@ static void run_row(Bench *bench, int object, int row) {
     if (ok && rows[row].faults & ALIGN) ok = ffp_align_poses(NULL, &imported, &alignment, NULL, &err);
     ffp_capture_free(&seen);
     for (int form = 0; form < FORMS && ok; form++) {
-        const FfpReconstruction options = {.model = bench->model,
+        const FfpReconstruction options = {.size = sizeof options,
+                                           .model = bench->model,
                                            .polish = form * FFP_POLISH_STEPS,
                                            .noise = FFP_NOISE_ESTIMATED,
                                            .layers = FFP_LAYERS_AUTO};

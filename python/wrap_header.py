@@ -20,7 +20,8 @@ def declarations(header: str) -> str:
     """The header without what cffi's parser does not know: comments, directives, attributes."""
     text = re.sub(r"//.*", "", header)
     text = re.sub(r"#ifdef __cplusplus.*?#endif", "", text, flags=re.DOTALL)
-    text = re.sub(r"^#.*$", "", text, flags=re.MULTILINE)
+    text = re.sub(r"^#(.*\\\n)*.*$", "", text, flags=re.MULTILINE)
+    text = re.sub(r"^FFP_DEFAULTS\((\w+), (\w+)\)", r"\1 \2(void);", text, flags=re.MULTILINE)
     return text.replace("FFP_API ", "")
 
 

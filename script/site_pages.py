@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[1]
 MODULES = ["ffprocams", "ffprocams.protocols", "ffprocams.interop", "ffprocams.torch", "ffprocams.perceptual"]
 LINK = re.compile(r"\]\(([^()\s#:]+)[^()\s]*\)")
 DECLARED = re.compile(r"^FFP_API [^(]*\b(ffp_\w+)\(|^typedef struct (\w+) \2;|^} (\w+);|^typedef enum (\w+) {.*}|^#define (FFP_(?!API)\w+) |"
-                      r"^typedef [^{]*\(\*(\w+)\)", re.MULTILINE)
+                      r"^typedef [^{]*\(\*(\w+)\)|^FFP_DEFAULTS\(\w+, (\w+)\)", re.MULTILINE)
 FRAME = re.compile(r"#if(?:ndef|def) (?:\w+_H|__cplusplus)\n(?:extern \"C\" {\n|}\n#endif\n)?|#define \w+_H\n|#include .*\n|^#endif\n", re.MULTILINE)
 
 
@@ -63,7 +63,8 @@ def page_of_header(text, page, places):
             out += ["".join(f"[](){{#{name}}}" for name in declared[1:])]
         out += [prose(comment, page, places)]
         if code:
-            out += ["```c\n" + code.replace("FFP_API ", "").strip("\n") + "\n```"]
+            code = re.sub(r"^FFP_DEFAULTS\((\w+), (\w+)\)", r"\1 \2(void);", code.replace("FFP_API ", ""), flags=re.MULTILINE)
+            out += ["```c\n" + code.strip("\n") + "\n```"]
     return "\n\n".join(out) + "\n"
 
 

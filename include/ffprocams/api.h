@@ -2,10 +2,22 @@
 #ifndef FFPROCAMS_API_H
 #define FFPROCAMS_API_H
 
+#include <stddef.h>
+
 #if defined(__GNUC__)
 #define FFP_API __attribute__((visibility("default")))
 #else
 #define FFP_API
 #endif
+
+// Declares `type function(void)`: options with their defaults. It is compiled into the program, and returns
+// as large a struct as the program knows; its part in the library is function_into(options, size).
+#define FFP_DEFAULTS(type, function)                                                                         \
+    FFP_API void function##_into(type *options, size_t size);                                                \
+    static inline type function(void) {                                                                      \
+        type options;                                                                                        \
+        function##_into(&options, sizeof options);                                                           \
+        return options;                                                                                      \
+    }
 
 #endif

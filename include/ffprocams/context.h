@@ -3,6 +3,7 @@
 #define FFPROCAMS_CONTEXT_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include "ffprocams/api.h"
 #include "ffprocams/error.h"
@@ -58,7 +59,8 @@ typedef struct FfpRanks {
 } FfpRanks;
 
 typedef struct FfpContextSettings {
-    void *user; // passed to all callbacks
+    size_t size; // set by ffp_context_defaults
+    void *user;  // passed to all callbacks
     // Receives a line of text without a newline; NULL: no messages. May be called from threads of the
     // library.
     void (*log)(void *user, FfpLogLevel level, const char *text);
@@ -76,7 +78,7 @@ typedef struct FfpContextSettings {
 } FfpContextSettings;
 
 // Silent, not cancellable, all processors, no GPU; equivalent to passing NULL as context.
-FFP_API FfpContextSettings ffp_context_defaults(void);
+FFP_DEFAULTS(FfpContextSettings, ffp_context_defaults)
 
 // Holds no state of the calls made with it: several threads may share one if its callbacks allow it, and each
 // call gives the same bits as on its own. Fails if the device is not available.

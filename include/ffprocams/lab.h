@@ -4,6 +4,7 @@
 #define FFPROCAMS_LAB_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include "ffprocams/reconstruct.h"
 
@@ -20,6 +21,7 @@ typedef enum FfpPredictor {
 } FfpPredictor;
 
 typedef struct FfpEvaluation {
+    size_t size;                 // set by ffp_evaluation_defaults
     const char *const *captures; // folders or JSON files
     int n_captures;
     FfpPredictor predictor;
@@ -49,7 +51,7 @@ typedef struct FfpEvaluation {
     int n_merged;
 } FfpEvaluation;
 
-FFP_API FfpEvaluation ffp_evaluation_defaults(void); // as ffp_reconstruction_defaults
+FFP_DEFAULTS(FfpEvaluation, ffp_evaluation_defaults) // as ffp_reconstruction_defaults
 
 // One row of results: a capture under a protocol, in this order. `novel_pattern`: held-out patterns at the
 // input poses; `novel_pose`: all pictures of the targets; `rendering`: black, white and lollipops at the
@@ -83,6 +85,7 @@ FFP_API FfpScore *ffp_evaluate(FfpContext *context, const FfpEvaluation *options
 // --- Training and generated data. ---
 
 typedef struct FfpTraining {
+    size_t size;            // set by ffp_training_defaults
     const char *out;        // folder for checkpoint.safetensors, weights.safetensors, metrics.jsonl, pictures
     const char *config;     // JSON file, or NULL for the defaults
     const char *initial;    // weights to start from with a fresh optimiser, or NULL
@@ -95,7 +98,7 @@ typedef struct FfpTraining {
     int64_t stop_at; // stop at this step with a checkpoint, as if cancelled; 0: run to the end
     bool resume;     // continue from the checkpoint in `out`, with the configuration that it contains
 } FfpTraining;
-FFP_API FfpTraining ffp_training_defaults(void); // the configuration's values, to the end
+FFP_DEFAULTS(FfpTraining, ffp_training_defaults) // the configuration's values, to the end
 // Runs to the end or until cancelled; cancelling writes a checkpoint first and is not a failure.
 FFP_API bool ffp_train_model(FfpContext *context, const FfpTraining *options, FfpError *err);
 
@@ -128,6 +131,7 @@ typedef struct FfpSensorFaults {
 } FfpSensorFaults;
 
 typedef struct FfpGeneration {
+    size_t size;        // set by ffp_generation_defaults
     const char *folder; // output: one capture folder per scene
     FfpSplit split;
     FfpPreset preset;
@@ -164,7 +168,7 @@ typedef struct FfpGeneration {
     int quality;
     bool check; // generate nothing; fail with an error naming the scenes that are missing or incomplete
 } FfpGeneration;
-FFP_API FfpGeneration ffp_generation_defaults(void); // all scenes of all splits by the paper's preset
+FFP_DEFAULTS(FfpGeneration, ffp_generation_defaults) // all scenes of all splits by the paper's preset
 // Existing scenes are kept; a scene appears under its name only when it is complete. Any number of processes
 // may share a job, each with its own range of scenes; the ranks of a context take scenes in turn.
 FFP_API bool ffp_generate(FfpContext *context, const FfpGeneration *options, FfpError *err);

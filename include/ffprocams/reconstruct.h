@@ -4,6 +4,7 @@
 #define FFPROCAMS_RECONSTRUCT_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include "ffprocams/capture.h"
 
@@ -38,6 +39,7 @@ typedef struct FfpDrawing {
 typedef struct FfpGaussians FfpGaussians;
 
 typedef struct FfpReconstruction {
+    size_t size;           // set by ffp_reconstruction_defaults
     const FfpModel *model; // NULL: the classical initialisation alone, without weights
     // Names of the structured-light patterns to use. Every view must have the first, which the network sees;
     // matching and the polish use all that a view has photographs under. None: the first that every view has.
@@ -65,7 +67,7 @@ typedef struct FfpReconstruction {
 #define FFP_LAYERS_AUTO (-1.0) // all for up to 200,000 splats, otherwise two; scenes: one
 
 // The shipped model's drawing; automatic polish, noise and layers. Set `model` afterwards.
-FFP_API FfpReconstruction ffp_reconstruction_defaults(void);
+FFP_DEFAULTS(FfpReconstruction, ffp_reconstruction_defaults)
 
 typedef struct FfpReconstructionStats { // times are wall-clock seconds
     char pattern[96];                   // the first pattern used
@@ -140,6 +142,7 @@ FFP_API FfpGaussians *ffp_gaussians_from_arrays(FfpContext *context, const FfpGa
 // --- Fitting to the photographs of one object. ---
 
 typedef struct FfpRefinement {
+    size_t size; // set by ffp_refinement_defaults
     // Structured-light patterns to use in addition to black and white, as FfpReconstruction.patterns.
     const char *const *patterns;
     int n_patterns;
@@ -153,7 +156,7 @@ typedef struct FfpRefinement {
     bool force; // as FfpReconstruction.force
 } FfpRefinement;
 
-FFP_API FfpRefinement ffp_refinement_defaults(void); // 30 seconds, noise estimated
+FFP_DEFAULTS(FfpRefinement, ffp_refinement_defaults) // 30 seconds, noise estimated
 
 typedef struct FfpRefinementStats {
     double psnr_before, psnr_after; // dB over the fitted pictures

@@ -65,6 +65,7 @@ typedef enum FfpFraming {
 typedef enum FfpOrbit { FFP_ORBIT_NONE, FFP_ORBIT_CAMERA, FFP_ORBIT_PROJECTOR, FFP_ORBIT_OBJECT } FfpOrbit;
 
 typedef struct FfpPictures {
+    size_t size; // set by ffp_pictures_defaults
     // File of camera and projector poses (targets.json or scene.json); NULL: the capture's.
     const char *poses;
     const char *const *views; // ids of the views to render; none: all
@@ -93,7 +94,7 @@ typedef struct FfpPictures {
     FfpDrawing drawing;
 } FfpPictures;
 
-FFP_API FfpPictures ffp_pictures_defaults(void); // all views under white, 15 frames a second
+FFP_DEFAULTS(FfpPictures, ffp_pictures_defaults) // all views under white, 15 frames a second
 
 // Renders views under patterns to 8-bit sRGB files over black, rasterising each view once for all patterns.
 // Two pictures with the same file name are an error, reported before rendering; only frames may repeat a
@@ -120,12 +121,13 @@ FFP_API void ffp_images_close(FfpImages *images);
 // --- Viewer page. ---
 
 typedef struct FfpPage {
+    size_t size;       // set by ffp_page_defaults
     const char *file;  // output: one self-contained HTML file
     const char *poses; // file of additional poses to jump to (targets.json or scene.json), or NULL
     int photographs;   // longest side, in pixels, of the photographs to include; 0: none
     FfpDrawing drawing;
 } FfpPage;
-FFP_API FfpPage ffp_page_defaults(void); // photographs of 512 pixels
+FFP_DEFAULTS(FfpPage, ffp_page_defaults) // photographs of 512 pixels
 
 typedef struct FfpPageStats {
     int64_t gaussians;
@@ -141,6 +143,7 @@ FFP_API bool ffp_write_page(FfpContext *context, const FfpGaussians *gaussians, 
 // --- Applications: compensated projections and correspondence maps. ---
 
 typedef struct FfpCompensation {
+    size_t size;       // set by ffp_compensation_defaults
     const char *poses; // as FfpPictures.poses
     // Ids of the views whose cameras see a target, with all their projectors shining at once; none: all.
     const char *const *views;
@@ -172,7 +175,7 @@ typedef struct FfpCompensation {
     FfpDrawing drawing;
 } FfpCompensation;
 
-FFP_API FfpCompensation ffp_compensation_defaults(void); // all views, gain 1, 30 steps
+FFP_DEFAULTS(FfpCompensation, ffp_compensation_defaults) // all views, gain 1, 30 steps
 
 typedef struct FfpCompensationStats {
     double gain; // the gain used
@@ -196,6 +199,7 @@ FFP_API bool ffp_compensate(FfpContext *context, const FfpGaussians *gaussians, 
                             const FfpCompensation *options, FfpCompensationStats *stats, FfpError *err);
 
 typedef struct FfpMaps {
+    size_t size;              // set by ffp_maps_defaults
     const char *poses;        // as FfpPictures.poses
     const char *const *views; // ids; none: all
     int n_views;
@@ -203,7 +207,7 @@ typedef struct FfpMaps {
     FfpDrawing drawing;
 } FfpMaps;
 
-FFP_API FfpMaps ffp_maps_defaults(void); // all views
+FFP_DEFAULTS(FfpMaps, ffp_maps_defaults) // all views
 
 typedef struct FfpMapStats { // of one view
     char view[96];
@@ -230,6 +234,7 @@ FFP_API int ffp_write_maps(FfpContext *context, const FfpGaussians *gaussians, c
 // --- Export to other programs. ---
 
 typedef struct FfpExport {
+    size_t size; // set by ffp_export_defaults
     // The extension selects the format: splats as .ply (the layout of 3DGS), .spz, .gltf or .glb
     // (KHR_gaussian_splatting); a mesh as .glb, .gltf or .obj.
     const char *file;
@@ -249,7 +254,7 @@ typedef struct FfpExport {
     // FFP_ERROR_ARGUMENT, because its albedo and roughness would be lost.
     bool force;
 } FfpExport;
-FFP_API FfpExport ffp_export_defaults(void); // ambient light, z up, a mesh of 128 cells
+FFP_DEFAULTS(FfpExport, ffp_export_defaults) // ambient light, z up, a mesh of 128 cells
 
 typedef struct FfpExportStats {
     int64_t splats, triangles, bytes; // written

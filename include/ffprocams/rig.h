@@ -3,6 +3,7 @@
 #define FFPROCAMS_RIG_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include "ffprocams/reconstruct.h"
 
 #ifdef __cplusplus
@@ -12,6 +13,7 @@ extern "C" {
 // --- Patterns to project while taking photographs. ---
 
 typedef struct FfpPatterns {
+    size_t size;        // set by ffp_patterns_defaults
     const char *folder; // for the pictures, README.txt and show.html; must be new or empty
     int width, height;  // of the projector's panel, pixels, 64 to 16384
     int lollipops;      // number of the paper's structured-light patterns of coloured rings, 0 to 100
@@ -24,7 +26,7 @@ typedef struct FfpPatterns {
     double square;
 } FfpPatterns;
 
-FFP_API FfpPatterns ffp_patterns_defaults(void); // everything, one lollipop, 1920 x 1080; 9 x 6, 25 mm
+FFP_DEFAULTS(FfpPatterns, ffp_patterns_defaults) // everything, one lollipop, 1920 x 1080; 9 x 6, 25 mm
 // Writes <number>_<name>.png in display order (the number is that of the photograph; the focus chart has 0),
 // instructions as text, and a page that shows them full screen in a browser. Written completely or not at
 // all. Returns the number of pictures, or -1.
@@ -44,6 +46,7 @@ enum {
 };
 
 typedef struct FfpRigCalibration {
+    size_t size; // set by ffp_rig_calibration_defaults
     // Folders of one attitude of the board each, or folders of such folders (docs/guide/own-rig.md). None:
     // only the turntable's board is used.
     const char *const *attitudes;
@@ -69,7 +72,7 @@ typedef struct FfpRigCalibration {
     // board each, and nothing is calibrated. NULL: not wanted
     const char *seen;
 } FfpRigCalibration;
-FFP_API FfpRigCalibration ffp_rig_calibration_defaults(void); // nothing named or fixed, 1920 x 1080
+FFP_DEFAULTS(FfpRigCalibration, ffp_rig_calibration_defaults) // nothing named or fixed, 1920 x 1080
 
 typedef struct FfpRigCalibrationStats { // errors in pixels are root mean squares
     int attitudes, used;
@@ -92,6 +95,7 @@ FFP_API bool ffp_calibrate_rig(FfpContext *context, const FfpRigCalibration *opt
 // Without a board: a projector that stands still, and either a camera at two places or more before anything
 // that is not flat, or one that stands still too, and an object on a turntable.
 typedef struct FfpSelfCalibration {
+    size_t size; // set by ffp_self_calibration_defaults
     // Folders of the photographs of one place of the camera, or of one stop of the turntable, each; or
     // folders of such folders, as FfpRigCalibration.attitudes: black, white and the Gray codes.
     const char *const *places;
@@ -111,7 +115,7 @@ typedef struct FfpSelfCalibration {
     // angles that were found.
     const char *file, *turntable_file;
 } FfpSelfCalibration;
-FFP_API FfpSelfCalibration ffp_self_calibration_defaults(void); // nothing named, 1920 x 1080
+FFP_DEFAULTS(FfpSelfCalibration, ffp_self_calibration_defaults) // nothing named, 1920 x 1080
 
 typedef struct FfpSelfCalibrationStats {
     int places, used, points;                     // of the camera; of the surface
@@ -188,6 +192,7 @@ typedef struct FfpImportTurntable {
 } FfpImportTurntable;
 
 typedef struct FfpImport {
+    size_t size;                     // set by ffp_import_defaults
     const char *const *calibrations; // files (and folders) of one calibration
     int n_calibrations;
     const char *projector_image; // COLMAP: the image that stands for the projector; NULL: "calib"
@@ -233,7 +238,7 @@ typedef struct FfpImport {
     const char *name;   // of the capture; NULL: that of the folder
     const char *folder; // for the capture; must be new or empty
 } FfpImport;
-FFP_API FfpImport ffp_import_defaults(void); // nothing named, pictures unchanged, eight codes kept
+FFP_DEFAULTS(FfpImport, ffp_import_defaults) // nothing named, pictures unchanged, eight codes kept
 // Writes a capture folder, completely or not at all: poses in the object's frame, pictures and patterns
 // without lens distortion, masks applied.
 FFP_API bool ffp_import_capture(FfpContext *context, const FfpImport *options, FfpError *err);
@@ -262,6 +267,7 @@ typedef struct FfpAlignmentStats {
     double camera_turned, camera_moved, projector_turned, projector_moved;
 } FfpAlignmentStats;
 typedef struct FfpAlignment {
+    size_t size;         // set by ffp_alignment_defaults
     const char *pattern; // name of the structured-light pattern to use; NULL: the first that every view has
     bool focal_lengths;  // also correct those of camera and projector, by the same factors in all views
     // The object as it is known, in the capture's world: each view's camera and projector are found again by
@@ -269,7 +275,7 @@ typedef struct FfpAlignment {
     // ignored. NULL: the poses are found from what the views have in common.
     const FfpGaussians *gaussians;
 } FfpAlignment;
-FFP_API FfpAlignment ffp_alignment_defaults(void); // only poses
+FFP_DEFAULTS(FfpAlignment, ffp_alignment_defaults) // only poses
 // Corrects the poses of all cameras and projectors from the photographs, in place. Takes as long as about 75
 // projector matchings, or with Gaussians as some 600 drawings of each view. `stats` may be NULL.
 FFP_API bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const FfpAlignment *options,

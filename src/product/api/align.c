@@ -4,8 +4,8 @@
 #include "engine/pipeline/register.h"
 #include "product/api/arguments.h"
 
-FfpAlignment ffp_alignment_defaults(void) {
-    return (FfpAlignment){0};
+void ffp_alignment_defaults_into(FfpAlignment *options, size_t size) {
+    ffp_give_defaults(options, size, &(FfpAlignment){0}, sizeof(FfpAlignment));
 }
 
 typedef struct Call {
@@ -25,10 +25,12 @@ static bool work(void *argument, FfpError *err) {
 
 bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const FfpAlignment *options,
                      FfpAlignmentStats *stats, FfpError *err) {
-    Call call = {capture, options, stats};
-    if (!ffp_need_photographs(capture, err) || !ffp_need(options, "options", err)) return false;
-    if (options->gaussians && !ffp_need_gaussians(options->gaussians, err)) return false;
-    if (options->gaussians && options->focal_lengths)
+    FfpAlignment own = ffp_alignment_defaults();
+    Call call = {capture, &own, stats};
+    if (!ffp_need_photographs(capture, err) || !ffp_take_options(&own, options, "FfpAlignment", err))
+        return false;
+    if (own.gaussians && !ffp_need_gaussians(own.gaussians, err)) return false;
+    if (own.gaussians && own.focal_lengths)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "focal_lengths", "are not found from known Gaussians");
     return ffp_call_run(context, work, &call, err);
 }

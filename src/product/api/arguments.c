@@ -1,11 +1,35 @@
 #include "product/api/arguments.h"
 #include <stdio.h>
+#include <string.h>
 #include "core/base/error.h"
 #include "core/capture/capture.h"
 #include "engine/render/render.h"
 
 bool ffp_need(const void *thing, const char *name, FfpError *err) {
     return thing || ffp_fail(err, FFP_ERROR_ARGUMENT, name, "is required, but is NULL");
+}
+
+void ffp_give_defaults(void *options, size_t size, const void *defaults, size_t known) {
+    if (size < sizeof size) return;
+    memset(options, 0, size);
+    memcpy(options, defaults, size < known ? size : known);
+    memcpy(options, &size, sizeof size);
+}
+
+bool ffp_take_options(void *own, const void *options, const char *name, FfpError *err) {
+    size_t known, given;
+    if (!ffp_need(options, "options", err)) return false;
+    memcpy(&known, own, sizeof known);
+    memcpy(&given, options, sizeof given);
+    if (given < sizeof given)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "its size is %zu: start from its defaults", given);
+    if (given > known)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, name,
+                        "its size is %zu, but %zu in this library, version %s: it is that of a later one",
+                        given, known, FFP_VERSION);
+    memcpy(own, options, given);
+    memcpy(own, &known, sizeof known);
+    return true;
 }
 
 bool ffp_need_photographs(const FfpCapture *capture, FfpError *err) {

@@ -7,6 +7,12 @@
 
 // A handle, a struct, a text: not NULL.
 bool ffp_need(const void *thing, const char *name, FfpError *err);
+// Fills a caller's struct of options, whose first field is its size, as far as both sides know it; what only
+// the caller knows is 0.
+void ffp_give_defaults(void *options, size_t size, const void *defaults, size_t known);
+// Copies a caller's options to `own`, which has the defaults: they stay where the caller's struct, named
+// `name`, is that of an earlier version. Errors: NULL; no size; that of a later version.
+bool ffp_take_options(void *own, const void *options, const char *name, FfpError *err);
 // A capture with its photographs in memory: not NULL, and not from ffp_capture_open_devices.
 bool ffp_need_photographs(const FfpCapture *capture, FfpError *err);
 // Gaussians, all of whose numbers are finite, with scales above 0 and rotations other than 0: their arrays

@@ -1,10 +1,10 @@
 // The methods to compare with (ffprocams/lab.h), fitted to a capture's pictures in the capture's own
 // units.
-#include "ffprocams/lab.h"
 #include "core/base/call.h"
 #include "core/base/file.h"
 #include "engine/pipeline/fit.h"
 #include "engine/pipeline/relight.h"
+#include "ffprocams/lab.h"
 #include "lab/baselines/field.h"
 #include "lab/baselines/scratch.h"
 #include "product/api/arguments.h"
@@ -69,9 +69,10 @@ static bool scratch_call(void *argument, FfpError *err) {
 
 FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *capture, const FfpGaussians *points,
                                    const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err) {
-    Call call = {.capture = capture, .options = options, .points = points, .stats = stats};
-    if (!ffp_need_photographs(capture, err) || !ffp_need(options, "options", err) ||
-        !ffp_check_drawing(options->drawing, err) || (points && !ffp_need_gaussians(points, err)))
+    FfpRefinement own = ffp_refinement_defaults();
+    Call call = {.capture = capture, .options = &own, .points = points, .stats = stats};
+    if (!ffp_need_photographs(capture, err) || !ffp_take_options(&own, options, "FfpRefinement", err) ||
+        !ffp_check_drawing(own.drawing, err) || (points && !ffp_need_gaussians(points, err)))
         return NULL;
     return ffp_call_run(context, scratch_call, &call, err) ? call.gaussians : NULL;
 }
@@ -117,8 +118,10 @@ static bool field_call(void *argument, FfpError *err) {
 FfpNeuralField *ffp_fit_neural_field(FfpContext *context, const FfpCapture *capture,
                                      const FfpRefinement *options, const char *checkpoint,
                                      FfpRefinementStats *stats, FfpError *err) {
-    Call call = {.capture = capture, .options = options, .checkpoint = checkpoint, .stats = stats};
-    if (!ffp_need_photographs(capture, err) || !ffp_need(options, "options", err)) return NULL;
+    FfpRefinement own = ffp_refinement_defaults();
+    Call call = {.capture = capture, .options = &own, .checkpoint = checkpoint, .stats = stats};
+    if (!ffp_need_photographs(capture, err) || !ffp_take_options(&own, options, "FfpRefinement", err))
+        return NULL;
     return ffp_call_run(context, field_call, &call, err) ? call.field : NULL;
 }
 

@@ -4,8 +4,9 @@
 #include "rig/calibrate/rig.h"
 #include "rig/selfcal/selfcal.h"
 
-FfpRigCalibration ffp_rig_calibration_defaults(void) {
-    return (FfpRigCalibration){.width = 1920, .height = 1080};
+void ffp_rig_calibration_defaults_into(FfpRigCalibration *options, size_t size) {
+    ffp_give_defaults(options, size, &(FfpRigCalibration){.width = 1920, .height = 1080},
+                      sizeof(FfpRigCalibration));
 }
 
 typedef struct Call {
@@ -20,17 +21,19 @@ static bool work(void *argument, FfpError *err) {
 
 bool ffp_calibrate_rig(FfpContext *context, const FfpRigCalibration *options, FfpRigCalibrationStats *stats,
                        FfpError *err) {
-    Call call = {options, stats};
-    if (!ffp_need(options, "options", err) ||
-        !ffp_need_texts(options->attitudes, options->n_attitudes, "attitudes", err) ||
-        !ffp_need_texts(options->calibrations, options->n_calibrations, "calibrations", err) ||
-        (options->turntable_board && options->n_angles > 0 && !ffp_need(options->angles, "angles", err)))
+    FfpRigCalibration own = ffp_rig_calibration_defaults();
+    Call call = {&own, stats};
+    if (!ffp_take_options(&own, options, "FfpRigCalibration", err) ||
+        !ffp_need_texts(own.attitudes, own.n_attitudes, "attitudes", err) ||
+        !ffp_need_texts(own.calibrations, own.n_calibrations, "calibrations", err) ||
+        (own.turntable_board && own.n_angles > 0 && !ffp_need(own.angles, "angles", err)))
         return false;
     return ffp_call_run(context, work, &call, err);
 }
 
-FfpSelfCalibration ffp_self_calibration_defaults(void) {
-    return (FfpSelfCalibration){.width = 1920, .height = 1080};
+void ffp_self_calibration_defaults_into(FfpSelfCalibration *options, size_t size) {
+    ffp_give_defaults(options, size, &(FfpSelfCalibration){.width = 1920, .height = 1080},
+                      sizeof(FfpSelfCalibration));
 }
 
 typedef struct SelfCall {
@@ -45,9 +48,10 @@ static bool self_work(void *argument, FfpError *err) {
 
 bool ffp_self_calibrate(FfpContext *context, const FfpSelfCalibration *options,
                         FfpSelfCalibrationStats *stats, FfpError *err) {
-    SelfCall call = {options, stats};
-    if (!ffp_need(options, "options", err) ||
-        !ffp_need_texts(options->places, options->n_places, "places", err))
+    FfpSelfCalibration own = ffp_self_calibration_defaults();
+    SelfCall call = {&own, stats};
+    if (!ffp_take_options(&own, options, "FfpSelfCalibration", err) ||
+        !ffp_need_texts(own.places, own.n_places, "places", err))
         return false;
     return ffp_call_run(context, self_work, &call, err);
 }

@@ -4,8 +4,8 @@
 #include "product/api/arguments.h"
 #include "product/api/memory.h"
 
-FfpCompensation ffp_compensation_defaults(void) {
-    return (FfpCompensation){.gain = 1, .steps = 30};
+void ffp_compensation_defaults_into(FfpCompensation *options, size_t size) {
+    ffp_give_defaults(options, size, &(FfpCompensation){.gain = 1, .steps = 30}, sizeof(FfpCompensation));
 }
 
 typedef struct Call {
@@ -33,20 +33,21 @@ static bool into_memory(void *argument, FfpError *err) {
     return call->images != NULL;
 }
 
-static bool check_arguments(const FfpGaussians *gaussians, const FfpCapture *capture,
+static bool check_arguments(const FfpGaussians *gaussians, const FfpCapture *capture, FfpCompensation *own,
                             const FfpCompensation *options, FfpError *err) {
     return ffp_need_gaussians(gaussians, err) && ffp_need(capture, "capture", err) &&
-           ffp_need(options, "options", err) &&
-           ffp_need_texts(options->views, options->n_views, "views", err) &&
-           (options->pictures || ffp_need_texts(options->targets, options->n_targets, "targets", err)) &&
-           ffp_check_drawing(options->drawing, err);
+           ffp_take_options(own, options, "FfpCompensation", err) &&
+           ffp_need_texts(own->views, own->n_views, "views", err) &&
+           (own->pictures || ffp_need_texts(own->targets, own->n_targets, "targets", err)) &&
+           ffp_check_drawing(own->drawing, err);
 }
 
 FfpImages *ffp_compensate_images(FfpContext *context, const FfpGaussians *gaussians,
                                  const FfpCapture *capture, const FfpCompensation *options,
                                  FfpCompensationStats *stats, FfpError *err) {
-    Call call = {gaussians, capture, options, stats, NULL};
-    if (!check_arguments(gaussians, capture, options, err)) return NULL;
+    FfpCompensation own = ffp_compensation_defaults();
+    Call call = {gaussians, capture, &own, stats, NULL};
+    if (!check_arguments(gaussians, capture, &own, options, err)) return NULL;
     return ffp_call_run(context, into_memory, &call, err) ? call.images : NULL;
 }
 
@@ -61,8 +62,9 @@ static bool into_files(void *argument, FfpError *err) {
 
 bool ffp_compensate(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                     const FfpCompensation *options, FfpCompensationStats *stats, FfpError *err) {
-    Call call = {gaussians, capture, options, stats, NULL};
-    if (!check_arguments(gaussians, capture, options, err) || !ffp_need(options->pattern, "pattern", err))
+    FfpCompensation own = ffp_compensation_defaults();
+    Call call = {gaussians, capture, &own, stats, NULL};
+    if (!check_arguments(gaussians, capture, &own, options, err) || !ffp_need(own.pattern, "pattern", err))
         return false;
     return ffp_call_run(context, into_files, &call, err);
 }

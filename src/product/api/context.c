@@ -9,8 +9,8 @@
 
 #define INTERVAL 0.05 // seconds
 
-FfpContextSettings ffp_context_defaults(void) {
-    return (FfpContextSettings){.interval = INTERVAL};
+void ffp_context_defaults_into(FfpContextSettings *options, size_t size) {
+    ffp_give_defaults(options, size, &(FfpContextSettings){.interval = INTERVAL}, sizeof(FfpContextSettings));
 }
 
 static bool open_cuda(void *argument, FfpError *err) {
@@ -35,14 +35,15 @@ static bool check(const FfpContextSettings *settings, FfpError *err) {
 }
 
 FfpContext *ffp_context_new(const FfpContextSettings *settings, FfpError *err) {
-    if (!ffp_need(settings, "settings", err) || !check(settings, err)) return NULL;
+    FfpContextSettings own = ffp_context_defaults();
+    if (!ffp_need(settings, "settings", err) || !ffp_take_options(&own, settings, "FfpContextSettings", err) || !check(&own, err)) return NULL;
     FfpContext *context = calloc(1, sizeof *context);
     if (!context) {
         ffp_fail(err, FFP_ERROR_MEMORY, NULL, "out of memory");
         return NULL;
     }
-    context->settings = *settings;
-    if (settings->device == FFP_DEVICE_CPU || ffp_call_run(context, open_cuda, context, err)) return context;
+    context->settings = own;
+    if (own.device == FFP_DEVICE_CPU || ffp_call_run(context, open_cuda, context, err)) return context;
     free(context);
     return NULL;
 }

@@ -7,9 +7,11 @@
 #include "product/api/arguments.h"
 #include "product/api/memory.h"
 
-FfpEvaluation ffp_evaluation_defaults(void) {
-    return (FfpEvaluation){
-        .polish = FFP_POLISH_AUTO, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO};
+void ffp_evaluation_defaults_into(FfpEvaluation *options, size_t size) {
+    ffp_give_defaults(
+        options, size,
+        &(FfpEvaluation){.polish = FFP_POLISH_AUTO, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO},
+        sizeof(FfpEvaluation));
 }
 
 typedef struct Call {
@@ -25,13 +27,13 @@ static bool work(void *argument, FfpError *err) {
 }
 
 FfpScore *ffp_evaluate(FfpContext *context, const FfpEvaluation *options, int *n_scores, FfpError *err) {
-    Call call = {options, n_scores, NULL};
+    FfpEvaluation own = ffp_evaluation_defaults();
+    Call call = {&own, n_scores, NULL};
     if (n_scores) *n_scores = 0;
-    if (!ffp_need(options, "options", err) || !ffp_need(n_scores, "n_scores", err) ||
-        !ffp_need_texts(options->captures, options->n_captures, "captures", err) ||
-        !ffp_need_texts(options->targets, options->n_targets, "targets", err) ||
-        !ffp_need_texts(options->merged, options->n_merged, "merged", err) ||
-        !ffp_check_drawing(options->drawing, err))
+    if (!ffp_take_options(&own, options, "FfpEvaluation", err) || !ffp_need(n_scores, "n_scores", err) ||
+        !ffp_need_texts(own.captures, own.n_captures, "captures", err) ||
+        !ffp_need_texts(own.targets, own.n_targets, "targets", err) ||
+        !ffp_need_texts(own.merged, own.n_merged, "merged", err) || !ffp_check_drawing(own.drawing, err))
         return NULL;
     return ffp_call_run(context, work, &call, err) ? call.scores : NULL;
 }

@@ -3,8 +3,8 @@
 #include "core/base/call.h"
 #include "product/api/arguments.h"
 
-FfpExport ffp_export_defaults(void) {
-    return (FfpExport){.resolution = 128};
+void ffp_export_defaults_into(FfpExport *options, size_t size) {
+    ffp_give_defaults(options, size, &(FfpExport){.resolution = 128}, sizeof(FfpExport));
 }
 
 typedef struct Call {
@@ -21,9 +21,10 @@ static bool work(void *argument, FfpError *err) {
 
 bool ffp_export(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                 const FfpExport *options, FfpExportStats *stats, FfpError *err) {
-    Call call = {gaussians, capture, options, stats};
-    if (!ffp_need_gaussians(gaussians, err) || !ffp_need(options, "options", err) ||
-        !ffp_need(options->file, "file", err) || !ffp_check_drawing((FfpDrawing){.form = options->form}, err))
+    FfpExport own = ffp_export_defaults();
+    Call call = {gaussians, capture, &own, stats};
+    if (!ffp_need_gaussians(gaussians, err) || !ffp_take_options(&own, options, "FfpExport", err) ||
+        !ffp_need(own.file, "file", err) || !ffp_check_drawing((FfpDrawing){.form = own.form}, err))
         return false;
     return ffp_call_run(context, work, &call, err);
 }

@@ -7,8 +7,9 @@
 
 #define DEGREE 0.017453292519943295
 
-FfpGeneration ffp_generation_defaults(void) {
-    return (FfpGeneration){.count = -1, .attitudes = 8, .quality = 92};
+void ffp_generation_defaults_into(FfpGeneration *options, size_t size) {
+    ffp_give_defaults(options, size, &(FfpGeneration){.count = -1, .attitudes = 8, .quality = 92},
+                      sizeof(FfpGeneration));
 }
 
 static FfpSensor sensor_of(const FfpSensorFaults *faults) {
@@ -73,6 +74,9 @@ static bool generate(void *argument, FfpError *err) {
 }
 
 bool ffp_generate(FfpContext *context, const FfpGeneration *options, FfpError *err) {
-    if (!ffp_need(options, "options", err) || !ffp_need(options->folder, "folder", err)) return false;
+    FfpGeneration own = ffp_generation_defaults();
+    if (!ffp_take_options(&own, options, "FfpGeneration", err) || !ffp_need(own.folder, "folder", err))
+        return false;
+    options = &own;
     return ffp_call_run(context, generate, &options, err);
 }

@@ -4,8 +4,8 @@
 #include "core/base/call.h"
 #include "product/api/arguments.h"
 
-FfpImport ffp_import_defaults(void) {
-    return (FfpImport){.kept_codes = 8};
+void ffp_import_defaults_into(FfpImport *options, size_t size) {
+    ffp_give_defaults(options, size, &(FfpImport){.kept_codes = 8}, sizeof(FfpImport));
 }
 
 // Checks for values that a caller in C may pass though the type says otherwise.
@@ -56,6 +56,8 @@ static bool import_capture(void *argument, FfpError *err) {
 }
 
 bool ffp_import_capture(FfpContext *context, const FfpImport *options, FfpError *err) {
-    if (!ffp_need(options, "options", err) || !check_texts(options, err)) return false;
+    FfpImport own = ffp_import_defaults();
+    if (!ffp_take_options(&own, options, "FfpImport", err) || !check_texts(&own, err)) return false;
+    options = &own;
     return ffp_call_run(context, import_capture, &options, err);
 }

@@ -5,8 +5,8 @@
 #include "product/api/memory.h"
 #include "product/export/map_files.h"
 
-FfpMaps ffp_maps_defaults(void) {
-    return (FfpMaps){.n_views = 0};
+void ffp_maps_defaults_into(FfpMaps *options, size_t size) {
+    ffp_give_defaults(options, size, &(FfpMaps){0}, sizeof(FfpMaps));
 }
 
 typedef struct MemoryCall {
@@ -55,11 +55,11 @@ static bool into_files(void *argument, FfpError *err) {
 
 int ffp_write_maps(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                    const FfpMaps *options, FfpMapStats *stats, FfpError *err) {
-    FilesCall call = {gaussians, capture, options, stats, 0};
+    FfpMaps own = ffp_maps_defaults();
+    FilesCall call = {gaussians, capture, &own, stats, 0};
     if (!ffp_need_gaussians(gaussians, err) || !ffp_need(capture, "capture", err) ||
-        !ffp_need(options, "options", err) || !ffp_need(options->folder, "folder", err) ||
-        !ffp_need_texts(options->views, options->n_views, "views", err) ||
-        !ffp_check_drawing(options->drawing, err))
+        !ffp_take_options(&own, options, "FfpMaps", err) || !ffp_need(own.folder, "folder", err) ||
+        !ffp_need_texts(own.views, own.n_views, "views", err) || !ffp_check_drawing(own.drawing, err))
         return -1;
     return ffp_call_run(context, into_files, &call, err) ? call.written : -1;
 }

@@ -76,9 +76,10 @@ static bool prepare(void *argument, FfpError *err) {
 
 FfpPrepared *ffp_prepare(FfpContext *context, const FfpCapture *capture, const FfpReconstruction *options,
                          FfpError *err) {
-    PrepareCall call = {capture, options, NULL};
-    if (!ffp_need_photographs(capture, err) || !ffp_need(options, "options", err) ||
-        !ffp_need(options->model, "options.model", err))
+    FfpReconstruction own = ffp_reconstruction_defaults();
+    PrepareCall call = {capture, &own, NULL};
+    if (!ffp_need_photographs(capture, err) || !ffp_take_options(&own, options, "FfpReconstruction", err) ||
+        !ffp_need(own.model, "options.model", err))
         return NULL;
     return ffp_call_run(context, prepare, &call, err) ? call.prepared : NULL;
 }

@@ -5,8 +5,8 @@
 
 #define PHOTOGRAPHS_MAX 4096
 
-FfpPage ffp_page_defaults(void) {
-    return (FfpPage){.photographs = 512};
+void ffp_page_defaults_into(FfpPage *options, size_t size) {
+    ffp_give_defaults(options, size, &(FfpPage){.photographs = 512}, sizeof(FfpPage));
 }
 
 typedef struct Call {
@@ -32,10 +32,11 @@ static bool work(void *argument, FfpError *err) {
 
 bool ffp_write_page(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                     const FfpPage *options, FfpPageStats *stats, FfpError *err) {
-    Call call = {gaussians, capture, options, stats};
+    FfpPage own = ffp_page_defaults();
+    Call call = {gaussians, capture, &own, stats};
     if (!ffp_need_gaussians(gaussians, err) || !ffp_need(capture, "capture", err) ||
-        !ffp_need(options, "options", err) || !ffp_need(options->file, "file", err) ||
-        !ffp_check_drawing(options->drawing, err) || !check(options, err))
+        !ffp_take_options(&own, options, "FfpPage", err) || !ffp_need(own.file, "file", err) ||
+        !ffp_check_drawing(own.drawing, err) || !check(&own, err))
         return false;
     return ffp_call_run(context, work, &call, err);
 }

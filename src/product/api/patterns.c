@@ -6,16 +6,18 @@
 
 enum { SIDE_MIN = 64, SIDE_MAX = 16384, LOLLIPOPS_MAX = 100 };
 
-FfpPatterns ffp_patterns_defaults(void) {
-    return (FfpPatterns){.width = 1920,
-                         .height = 1080,
-                         .lollipops = 1,
-                         .focus = true,
-                         .capture = true,
-                         .gray_codes = true,
-                         .columns = 9,
-                         .rows = 6,
-                         .square = 25};
+void ffp_patterns_defaults_into(FfpPatterns *options, size_t size) {
+    ffp_give_defaults(options, size,
+                      &(FfpPatterns){.width = 1920,
+                                     .height = 1080,
+                                     .lollipops = 1,
+                                     .focus = true,
+                                     .capture = true,
+                                     .gray_codes = true,
+                                     .columns = 9,
+                                     .rows = 6,
+                                     .square = 25},
+                      sizeof(FfpPatterns));
 }
 
 static bool check(const FfpPatterns *o, FfpError *err) {
@@ -56,9 +58,10 @@ static bool work(void *argument, FfpError *err) {
 }
 
 int ffp_write_patterns(FfpContext *context, const FfpPatterns *options, FfpError *err) {
-    Call call = {options, 0};
-    if (!ffp_need(options, "options", err) || !ffp_need(options->folder, "folder", err) ||
-        !check(options, err))
+    FfpPatterns own = ffp_patterns_defaults();
+    Call call = {&own, 0};
+    if (!ffp_take_options(&own, options, "FfpPatterns", err) || !ffp_need(own.folder, "folder", err) ||
+        !check(&own, err))
         return -1;
     return ffp_call_run(context, work, &call, err) ? call.count : -1;
 }

@@ -4,9 +4,11 @@
 #include "product/api/arguments.h"
 #include "rig/checks/checks.h"
 
-FfpReconstruction ffp_reconstruction_defaults(void) {
-    return (FfpReconstruction){
-        .polish = FFP_POLISH_AUTO, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO};
+void ffp_reconstruction_defaults_into(FfpReconstruction *options, size_t size) {
+    ffp_give_defaults(options, size,
+                      &(FfpReconstruction){
+                          .polish = FFP_POLISH_AUTO, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO},
+                      sizeof(FfpReconstruction));
 }
 
 typedef struct Call {
@@ -30,9 +32,10 @@ static bool work(void *argument, FfpError *err) {
 FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *capture,
                               const FfpReconstruction *options, FfpReconstructionStats *stats,
                               FfpError *err) {
-    Call call = {capture, options, stats, NULL};
-    if (!ffp_need_photographs(capture, err) || !ffp_need(options, "options", err) ||
-        !ffp_check_drawing(options->drawing, err))
+    FfpReconstruction own = ffp_reconstruction_defaults();
+    Call call = {capture, &own, stats, NULL};
+    if (!ffp_need_photographs(capture, err) || !ffp_take_options(&own, options, "FfpReconstruction", err) ||
+        !ffp_check_drawing(own.drawing, err))
         return NULL;
     return ffp_call_run(context, work, &call, err) ? call.gaussians : NULL;
 }

@@ -4,8 +4,10 @@
 #include "product/api/arguments.h"
 #include "rig/checks/checks.h"
 
-FfpRefinement ffp_refinement_defaults(void) {
-    return (FfpRefinement){.seconds = FFP_REFINE_SECONDS, .noise = FFP_NOISE_ESTIMATED};
+void ffp_refinement_defaults_into(FfpRefinement *options, size_t size) {
+    ffp_give_defaults(options, size,
+                      &(FfpRefinement){.seconds = FFP_REFINE_SECONDS, .noise = FFP_NOISE_ESTIMATED},
+                      sizeof(FfpRefinement));
 }
 
 typedef struct Call {
@@ -23,9 +25,10 @@ static bool work(void *argument, FfpError *err) {
 
 bool ffp_refine_gaussians(FfpContext *context, FfpGaussians *gaussians, const FfpCapture *capture,
                           const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err) {
-    Call call = {.gaussians = gaussians, .capture = capture, .options = options, .stats = stats};
+    FfpRefinement own = ffp_refinement_defaults();
+    Call call = {.gaussians = gaussians, .capture = capture, .options = &own, .stats = stats};
     if (!ffp_need_gaussians(gaussians, err) || !ffp_need_photographs(capture, err) ||
-        !ffp_need(options, "options", err) || !ffp_check_drawing(options->drawing, err))
+        !ffp_take_options(&own, options, "FfpRefinement", err) || !ffp_check_drawing(own.drawing, err))
         return false;
     return ffp_call_run(context, work, &call, err);
 }

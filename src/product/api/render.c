@@ -3,8 +3,8 @@
 #include "engine/pipeline/pictures.h"
 #include "product/api/arguments.h"
 
-FfpPictures ffp_pictures_defaults(void) {
-    return (FfpPictures){.rate = 15};
+void ffp_pictures_defaults_into(FfpPictures *options, size_t size) {
+    ffp_give_defaults(options, size, &(FfpPictures){.rate = 15}, sizeof(FfpPictures));
 }
 
 typedef struct Call {
@@ -22,12 +22,12 @@ static bool work(void *argument, FfpError *err) {
 
 int ffp_render_pictures(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                         const FfpPictures *options, FfpError *err) {
-    Call call = {gaussians, capture, options, 0};
-    if (!ffp_need_gaussians(gaussians, err) || !ffp_need(options, "options", err) ||
-        !ffp_need(options->folder, "folder", err) ||
-        !ffp_need_texts(options->views, options->n_views, "views", err) ||
-        !ffp_need_texts(options->patterns, options->n_patterns, "patterns", err) ||
-        !ffp_check_drawing(options->drawing, err))
+    FfpPictures own = ffp_pictures_defaults();
+    Call call = {gaussians, capture, &own, 0};
+    if (!ffp_need_gaussians(gaussians, err) || !ffp_take_options(&own, options, "FfpPictures", err) ||
+        !ffp_need(own.folder, "folder", err) || !ffp_need_texts(own.views, own.n_views, "views", err) ||
+        !ffp_need_texts(own.patterns, own.n_patterns, "patterns", err) ||
+        !ffp_check_drawing(own.drawing, err))
         return -1;
     return ffp_call_run(context, work, &call, err) ? call.written : -1;
 }

@@ -4,8 +4,8 @@
 #include "ffprocams.h"
 #include "product/api/arguments.h"
 
-FfpTraining ffp_training_defaults(void) {
-    return (FfpTraining){.steps = -1};
+void ffp_training_defaults_into(FfpTraining *options, size_t size) {
+    ffp_give_defaults(options, size, &(FfpTraining){.steps = -1}, sizeof(FfpTraining));
 }
 
 static bool train(void *argument, FfpError *err) {
@@ -22,6 +22,8 @@ static bool train(void *argument, FfpError *err) {
 }
 
 bool ffp_train_model(FfpContext *context, const FfpTraining *options, FfpError *err) {
-    if (!ffp_need(options, "options", err) || !ffp_need(options->out, "out", err)) return false;
+    FfpTraining own = ffp_training_defaults();
+    if (!ffp_take_options(&own, options, "FfpTraining", err) || !ffp_need(own.out, "out", err)) return false;
+    options = &own;
     return ffp_call_run(context, train, &options, err);
 }

@@ -130,7 +130,7 @@ static void turning_is_said(void **state) {
         kind.orientation = orientation;
         write_tiff_kind(in_scratch("said.tif"), 9, 5, &kind);
         Said said = {.name = "said.tif"};
-        const FfpContextSettings settings = {.user = &said, .log = hear};
+        const FfpContextSettings settings = {.size = sizeof settings, .user = &said, .log = hear};
         FfpContext context = {.settings = settings};
         assert_true(ffp_call_run(&context, read_aloud, &said, NULL));
         assert_int_equal(strstr(said.words, "said.tif: turned clockwise by 90 degrees") != NULL,

@@ -27,7 +27,8 @@ static FfpCapture small_capture(void) {
 static FfpGaussians *reconstruct(const FfpCapture *capture, const FfpModel *model, int64_t polish,
                                  const FfpDevice *by) {
     FfpError err = {0};
-    const FfpReconstruction how = {.model = model, .polish = polish, .layers = FFP_LAYERS_AUTO};
+    const FfpReconstruction how = {
+        .size = sizeof how, .model = model, .polish = polish, .layers = FFP_LAYERS_AUTO};
     FfpContext context = {.device = by};
     FfpGaussians *gaussians = ffp_reconstruct(&context, capture, &how, NULL, &err);
     if (!gaussians) fail_msg("%s", err.text);
@@ -86,7 +87,8 @@ static void test_memory_ends(void **state) {
     assert_true(ffp_model_preset(&config, "tiny"));
     FfpModel *model = ffp_model_new(&config, 3, &err);
     FfpCapture capture = small_capture();
-    const FfpReconstruction how = {.model = model, .polish = 2, .layers = FFP_LAYERS_AUTO};
+    const FfpReconstruction how = {
+        .size = sizeof how, .model = model, .polish = 2, .layers = FFP_LAYERS_AUTO};
     FfpGaussians *gaussians = NULL;
     int failed = 0;
     for (long long blocks = 0; !gaussians; blocks += 1 + blocks / 4) {
@@ -139,7 +141,7 @@ static void test_fits_on_their_own(void **state) {
     (void)state;
     FfpError err = {0};
     FfpCapture capture = small_capture();
-    const FfpRefinement how = {.steps = 3, .seed = 1};
+    const FfpRefinement how = {.size = sizeof how, .steps = 3, .seed = 1};
     Notes notes = {0};
     FfpContext with = {.settings = {.user = &notes, .log = take_note}, .device = device};
     FfpContext without = {.settings = {.user = &notes, .log = take_note}};

@@ -166,7 +166,8 @@ static FfpModel *weights_of_run(const char *name, const char *config) {
     snprintf(out, sizeof out, "%s", in_scratch(name));
     assert_true(ffp_join_path(weights, out, "weights.safetensors"));
     assert_true(ffp_write_file(in_scratch("config.json"), config, strlen(config), NULL));
-    FfpTraining options = {.out = out, .config = in_scratch("config.json"), .steps = -1};
+    FfpTraining options = {
+        .size = sizeof options, .out = out, .config = in_scratch("config.json"), .steps = -1};
     FfpContext context = {.device = device};
     const bool ok = ffp_train_model(&context, &options, &err);
     if (!ok) fail_msg("%s", err.text);

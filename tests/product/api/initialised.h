@@ -11,7 +11,7 @@ static int setup(void **state) {
     FfpError err = {0};
     if (small_setup(state) != 0) return -1;
     capture = ffp_capture_open(NULL, in_scratch("capture"), &err);
-    const FfpReconstruction how = {0};
+    const FfpReconstruction how = {.size = sizeof how};
     gaussians = capture ? ffp_reconstruct(NULL, capture, &how, NULL, &err) : NULL;
     if (!gaussians) fprintf(stderr, "%s\n", err.text);
     return gaussians ? 0 : -1;

@@ -38,10 +38,11 @@ static void handles_are_asked_for(void **state) {
 static void fits_are_told_what_to_fit(void **state) {
     (void)state;
     static const char *const one[1] = {NULL};
-    const FfpReconstruction how = {.patterns = one, .n_patterns = 1};
-    const FfpRefinement fine = {.steps = 1}, further = {.patterns = one, .n_patterns = 1};
+    const FfpReconstruction how = {.size = sizeof how, .patterns = one, .n_patterns = 1};
+    const FfpRefinement fine = {.size = sizeof fine, .steps = 1},
+                        further = {.size = sizeof further, .patterns = one, .n_patterns = 1};
     const FfpAlignment aligning = ffp_alignment_defaults();
-    FfpReconstruction drawn = {.drawing.samples = 5};
+    FfpReconstruction drawn = {.size = sizeof drawn, .drawing.samples = 5};
     refused(!ffp_reconstruct(NULL, NULL, &how, NULL, &err), "capture");
     refused(!ffp_reconstruct(NULL, capture, NULL, NULL, &err), "options");
     refused(!ffp_reconstruct(NULL, capture, &how, NULL, &err), capture->name);
@@ -117,7 +118,7 @@ static void sources_are_named(void **state) {
     refused(!ffp_lpips(NULL, "weights", NULL, NULL, -1, NULL, &err), "n");
     refused(!ffp_train_model(NULL, &training, &err), "out");
     refused(!ffp_generate(NULL, &generation, &err), "folder");
-    generation = (FfpGeneration){.folder = "scenes", .seed = UINT64_MAX};
+    generation = (FfpGeneration){.size = sizeof(FfpGeneration), .folder = "scenes", .seed = UINT64_MAX};
     refused(!ffp_generate(NULL, &generation, &err), "seed");
     refused(ffp_write_patterns(NULL, &patterns, &err) < 0, "folder");
     calibration.n_attitudes = 3;
@@ -148,7 +149,7 @@ static void drawings_are_checked(void **state) {
     assert_true(ffp_capture_view_devices(capture, 0, &camera, &projector));
     for (int i = 0; i < 4; i++) {
         const char *field = i < 3 ? "drawing.samples" : "drawing.form";
-        const FfpRefinement how = {.steps = 1, .drawing = bad[i]};
+        const FfpRefinement how = {.size = sizeof how, .steps = 1, .drawing = bad[i]};
         pictures.drawing = page.drawing = compensation.drawing = maps.drawing = evaluation.drawing = bad[i];
         refused(!ffp_renderer_new(NULL, bad[i], &err), field);
         refused(ffp_render_pictures(NULL, gaussians, capture, &pictures, &err) < 0, field);

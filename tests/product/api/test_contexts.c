@@ -45,8 +45,9 @@ static bool work(Caller *c) {
     snprintf(folder, sizeof folder, "%s/capture", scratch);
     FfpCapture *capture = ffp_capture_open(context, folder, &c->err);
     FfpModel *model = c->weights ? ffp_model_open(context, c->weights, &c->err) : NULL;
-    const FfpReconstruction how = {.model = model, .polish = 6, .noise = FFP_NOISE_ESTIMATED};
-    const FfpRefinement further = {.steps = 6, .seed = 5};
+    const FfpReconstruction how = {
+        .size = sizeof how, .model = model, .polish = 6, .noise = FFP_NOISE_ESTIMATED};
+    const FfpRefinement further = {.size = sizeof further, .steps = 6, .seed = 5};
     bool ok = capture && (model || !c->weights);
     c->made = ok ? ffp_reconstruct(context, capture, &how, NULL, &c->err) : NULL;
     c->refined = c->made ? ffp_reconstruct(context, capture, &how, NULL, &c->err) : NULL;
@@ -130,7 +131,7 @@ static void *share(void *argument) {
     FfpContextSettings settings = ffp_context_defaults();
     settings.threads = 1;
     FfpContext *context = ffp_context_new(&settings, &s->err);
-    const FfpReconstruction how = {.model = s->shared->model};
+    const FfpReconstruction how = {.size = sizeof how, .model = s->shared->model};
     FfpPinhole camera, projector;
     const double intensity[3] = {5, 5, 5};
     const FfpPicture pattern = ffp_capture_picture(s->shared->capture, -1, 2);
@@ -154,8 +155,8 @@ static void threads_share_what_they_read(void **state) {
     snprintf(path, sizeof path, "%s/weights", scratch);
     FfpModel *model = ffp_model_open(NULL, path, &err);
     assert_true(capture && model);
-    FfpGaussians *gaussians =
-        ffp_reconstruct(NULL, capture, &(FfpReconstruction){.model = model}, NULL, &err);
+    FfpGaussians *gaussians = ffp_reconstruct(
+        NULL, capture, &(FfpReconstruction){.size = sizeof(FfpReconstruction), .model = model}, NULL, &err);
     assert_non_null(gaussians);
     const Shared shared = {capture, model, gaussians};
     Sharer sharers[SHARERS] = {0};

@@ -25,7 +25,7 @@ static void left_while_points_are_drawn(void **state) {
     FfpCapture *capture = ffp_capture_open(NULL, in_scratch("capture"), &err);
     assert_non_null(context);
     assert_non_null(capture);
-    const FfpRefinement how = {.steps = 1};
+    const FfpRefinement how = {.size = sizeof how, .steps = 1};
     assert_null(ffp_fit_from_scratch(context, capture, NULL, &how, NULL, &err));
     assert_int_equal(err.code, FFP_ERROR_CANCELLED);
     assert_true(caller.asked == 1 && caller.total == 20000);

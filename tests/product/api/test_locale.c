@@ -36,7 +36,7 @@ static void write_scores(const char *path, FfpError *err) {
 }
 
 static void write_metrics(const char *path, FfpError *err) {
-    const FfpRefinement how = {.steps = 3, .metrics = path};
+    const FfpRefinement how = {.size = sizeof how, .steps = 3, .metrics = path};
     FfpGaussians *fitted = ffp_fit_from_scratch(NULL, capture, NULL, &how, NULL, err);
     if (!fitted) fail_msg("%s", err->text);
     ffp_gaussians_close(fitted);

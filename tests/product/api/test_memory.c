@@ -75,7 +75,8 @@ static const char *const lollipops[] = {"lollipop_0", "lollipop_2"};
 static FfpGaussians *start_of_several(const FfpCapture *capture, int n) {
     FfpError err = {0};
     FfpReconstructionStats stats;
-    const FfpReconstruction options = {.patterns = lollipops, .n_patterns = n, .polish = 2};
+    const FfpReconstruction options = {
+        .size = sizeof options, .patterns = lollipops, .n_patterns = n, .polish = 2};
     FfpGaussians *gaussians = ffp_reconstruct(NULL, capture, &options, &stats, &err);
     if (!gaussians) fail_msg("%s", err.text);
     assert_string_equal(stats.pattern, "lollipop_0");
@@ -129,7 +130,7 @@ static void test_memory_and_files_give_the_same_gaussians(void **state) {
 static void expect_no_gaussians(const FfpCapture *capture, const char *const *names, int n,
                                 const char *word) {
     FfpError err = {0};
-    const FfpReconstruction options = {.patterns = names, .n_patterns = n};
+    const FfpReconstruction options = {.size = sizeof options, .patterns = names, .n_patterns = n};
     assert_null(ffp_reconstruct(NULL, capture, &options, NULL, &err));
     if (!strstr(err.text, word)) fail_msg("no \"%s\" in: %s", word, err.text);
 }
@@ -221,8 +222,12 @@ static void test_drawing_into_memory_is_what_files_hold(void **state) {
     assert_non_null(capture);
     FfpGaussians *gaussians = start_of(capture);
     const char *view = ffp_capture_view_id(capture, 1), *pattern = "lollipop_0";
-    const FfpPictures options = {
-        .views = &view, .n_views = 1, .patterns = &pattern, .n_patterns = 1, .folder = in_scratch("drawn")};
+    const FfpPictures options = {.size = sizeof options,
+                                 .views = &view,
+                                 .n_views = 1,
+                                 .patterns = &pattern,
+                                 .n_patterns = 1,
+                                 .folder = in_scratch("drawn")};
     if (ffp_render_pictures(NULL, gaussians, capture, &options, &err) != 1) fail_msg("%s", err.text);
     char path[512];
     snprintf(path, sizeof path, "drawn/%s_%s.png", view, pattern);
@@ -280,7 +285,8 @@ static void test_large_files_are_drawn_in_strips(void **state) {
     assert_non_null(capture);
     FfpGaussians *gaussians = start_of(capture);
     const char *view = ffp_capture_view_id(capture, 0);
-    const FfpPictures options = {.views = &view, .n_views = 1, .width = SIDE, .folder = in_scratch("large")};
+    const FfpPictures options = {
+        .size = sizeof options, .views = &view, .n_views = 1, .width = SIDE, .folder = in_scratch("large")};
     if (ffp_render_pictures(NULL, gaussians, capture, &options, &err) != 1) fail_msg("%s", err.text);
 
     FfpPinhole camera, projector;

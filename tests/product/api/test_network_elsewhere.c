@@ -65,7 +65,7 @@ static void check_pixel(const FfpPreparedArrays *a, int64_t g, int patch) {
 
 static void test_what_the_network_sees(void **state) {
     (void)state;
-    const FfpReconstruction how = {.model = model};
+    const FfpReconstruction how = {.size = sizeof how, .model = model};
     FfpPrepared *prepared = ffp_prepare(NULL, capture, &how, &err);
     if (!prepared) fail_msg("%s", err.text);
     const FfpPreparedArrays a = ffp_prepared_arrays(prepared);
@@ -82,7 +82,7 @@ static void test_what_the_network_sees(void **state) {
     ffp_gaussians_close(start);
     ffp_prepared_close(prepared);
     ffp_prepared_close(NULL);
-    assert_null(ffp_prepare(NULL, capture, &(FfpReconstruction){0}, &err));
+    assert_null(ffp_prepare(NULL, capture, &(FfpReconstruction){.size = sizeof(FfpReconstruction)}, &err));
     assert_non_null(strstr(err.text, "options.model"));
     assert_null(ffp_prepare(NULL, NULL, &how, &err));
 }

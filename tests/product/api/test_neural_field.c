@@ -25,7 +25,7 @@ static int teardown(void **state) {
 
 static FfpNeuralField *fit(FfpContext *context, int64_t steps, FfpRefinementStats *stats) {
     FfpError err = {0};
-    const FfpRefinement how = {.steps = steps, .seed = 1};
+    const FfpRefinement how = {.size = sizeof how, .steps = steps, .seed = 1};
     FfpNeuralField *field = ffp_fit_neural_field(context, capture, &how, NULL, stats, &err);
     if (!field) fail_msg("%s", err.text);
     return field;
@@ -73,7 +73,7 @@ static void it_goes_on_from_a_checkpoint(void **state) {
     FfpContextSettings settings = ffp_context_defaults();
     char path[128];
     snprintf(path, sizeof path, "%s", in_scratch("checkpoint"));
-    FfpRefinement how = {.steps = 24, .seed = 1};
+    FfpRefinement how = {.size = sizeof how, .steps = 24, .seed = 1};
     FfpRefinementStats stats = {0};
     settings.progress = stop_later, settings.interval = 1e-6; // asked at every step
     FfpContext *context = ffp_context_new(&settings, &err);
@@ -122,7 +122,7 @@ static void the_loss_is_of_steps_done(void **state) {
     snprintf(checkpoint, sizeof checkpoint, "%s", in_scratch("nearly"));
     snprintf(whole, sizeof whole, "%s", in_scratch("whole.jsonl"));
     snprintf(rest, sizeof rest, "%s", in_scratch("rest.jsonl"));
-    FfpRefinement how = {.steps = 100, .seed = 1, .metrics = whole};
+    FfpRefinement how = {.size = sizeof how, .steps = 100, .seed = 1, .metrics = whole};
     FfpRefinementStats stats = {0};
     ffp_neural_field_close(ffp_fit_neural_field(NULL, capture, &how, NULL, &stats, &err));
     settings.progress = stop_after, settings.interval = 1e-6, left = 90;

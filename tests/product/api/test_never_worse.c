@@ -13,7 +13,7 @@
 static FfpGaussians *reconstruct(const FfpCapture *capture, const FfpModel *model, int64_t polish,
                                  FfpReconstructionStats *stats) {
     FfpError err = {0};
-    const FfpReconstruction how = {.model = model, .polish = polish};
+    const FfpReconstruction how = {.size = sizeof how, .model = model, .polish = polish};
     FfpGaussians *gaussians = ffp_reconstruct(NULL, capture, &how, stats, &err);
     if (!gaussians) fail_msg("%s", err.text);
     return gaussians;

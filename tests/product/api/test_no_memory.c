@@ -37,7 +37,8 @@ typedef bool Work(FfpContext *context, const char *out, FfpError *err);
 static bool reconstruct(FfpContext *context, const char *weights, const char *out, FfpError *err) {
     FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
     FfpModel *model = capture && weights ? ffp_model_open(context, weights, err) : NULL;
-    const FfpReconstruction how = {.model = model, .polish = POLISH, .noise = FFP_NOISE_ESTIMATED};
+    const FfpReconstruction how = {
+        .size = sizeof how, .model = model, .polish = POLISH, .noise = FFP_NOISE_ESTIMATED};
     FfpGaussians *gaussians =
         capture && (model || !weights) ? ffp_reconstruct(context, capture, &how, NULL, err) : NULL;
     const bool ok = gaussians && ffp_gaussians_save(context, gaussians, out, err);
@@ -58,7 +59,7 @@ static bool by_network(FfpContext *context, const char *out, FfpError *err) {
 static bool prepare(FfpContext *context, const char *out, FfpError *err) {
     FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
     FfpModel *model = capture ? ffp_model_open(context, in_scratch("weights"), err) : NULL;
-    const FfpReconstruction how = {.model = model};
+    const FfpReconstruction how = {.size = sizeof how, .model = model};
     FfpPrepared *prepared = model ? ffp_prepare(context, capture, &how, err) : NULL;
     const FfpPreparedArrays a = prepared ? ffp_prepared_arrays(prepared) : (FfpPreparedArrays){0};
     const size_t size = (size_t)a.tokens * (size_t)a.token_width * sizeof *a.inputs;
@@ -76,7 +77,7 @@ static FfpGaussians *given(FfpContext *context, FfpError *err) {
 static bool refine(FfpContext *context, const char *out, FfpError *err) {
     FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
-    const FfpRefinement how = {.steps = 3, .metrics = in_scratch("metrics")};
+    const FfpRefinement how = {.size = sizeof how, .steps = 3, .metrics = in_scratch("metrics")};
     const bool ok = gaussians && ffp_refine_gaussians(context, gaussians, capture, &how, NULL, err) &&
                     ffp_gaussians_save(context, gaussians, out, err);
     ffp_gaussians_close(gaussians);
@@ -87,8 +88,12 @@ static bool refine(FfpContext *context, const char *out, FfpError *err) {
 static bool render(FfpContext *context, const char *out, FfpError *err) {
     FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
-    const FfpPictures how = {
-        .orbit = FFP_ORBIT_OBJECT, .frames = 2, .video = out, .rate = 1, .folder = in_scratch("pictures")};
+    const FfpPictures how = {.size = sizeof how,
+                             .orbit = FFP_ORBIT_OBJECT,
+                             .frames = 2,
+                             .video = out,
+                             .rate = 1,
+                             .folder = in_scratch("pictures")};
     const bool ok = gaussians && ffp_render_pictures(context, gaussians, capture, &how, err) > 0;
     ffp_gaussians_close(gaussians);
     ffp_capture_close(capture);
@@ -152,7 +157,8 @@ static bool compensate(FfpContext *context, const char *out, FfpError *err) {
     FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
     const char *id = capture ? ffp_capture_view_id(capture, 0) : NULL, *target = in_scratch("target.png");
-    const FfpCompensation how = {.views = &id,
+    const FfpCompensation how = {.size = sizeof how,
+                                 .views = &id,
                                  .n_views = 1,
                                  .targets = &target,
                                  .n_targets = 1,
@@ -169,7 +175,7 @@ static bool map(FfpContext *context, const char *out, FfpError *err) {
     FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
     const char *id = capture ? ffp_capture_view_id(capture, 0) : NULL;
-    const FfpMaps how = {.views = &id, .n_views = 1, .folder = in_scratch("maps")};
+    const FfpMaps how = {.size = sizeof how, .views = &id, .n_views = 1, .folder = in_scratch("maps")};
     const bool ok = gaussians && ffp_write_maps(context, gaussians, capture, &how, NULL, err) > 0 &&
                     ffp_gaussians_save(context, gaussians, out, err);
     ffp_gaussians_close(gaussians);
@@ -180,7 +186,8 @@ static bool map(FfpContext *context, const char *out, FfpError *err) {
 static bool page(FfpContext *context, const char *out, FfpError *err) {
     FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
-    const FfpPage how = {.file = out, .poses = in_scratch("capture/scene.json"), .photographs = 8};
+    const FfpPage how = {
+        .size = sizeof how, .file = out, .poses = in_scratch("capture/scene.json"), .photographs = 8};
     const bool ok = gaussians && ffp_write_page(context, gaussians, capture, &how, NULL, err);
     ffp_gaussians_close(gaussians);
     ffp_capture_close(capture);
@@ -190,7 +197,8 @@ static bool page(FfpContext *context, const char *out, FfpError *err) {
 static bool evaluate(FfpContext *context, const char *out, FfpError *err) {
     const char *capture = in_scratch("capture");
     int count;
-    const FfpEvaluation how = {.captures = &capture,
+    const FfpEvaluation how = {.size = sizeof how,
+                               .captures = &capture,
                                .n_captures = 1,
                                .gaussians = in_scratch("given.ply"),
                                .report = in_scratch("report.html"),
@@ -220,23 +228,26 @@ static bool export_to(FfpContext *context, const char *name, FfpExport how, cons
 }
 
 static bool export_ply(FfpContext *context, const char *out, FfpError *err) {
-    return export_to(context, "splats.ply", (FfpExport){.light = "white"}, out, err);
+    return export_to(context, "splats.ply", (FfpExport){.size = sizeof(FfpExport), .light = "white"}, out,
+                     err);
 }
 
 static bool export_spz(FfpContext *context, const char *out, FfpError *err) {
-    return export_to(context, "splats.spz", (FfpExport){0}, out, err);
+    return export_to(context, "splats.spz", (FfpExport){.size = sizeof(FfpExport)}, out, err);
 }
 
 static bool export_gltf(FfpContext *context, const char *out, FfpError *err) {
-    return export_to(context, "splats.gltf", (FfpExport){0}, out, err);
+    return export_to(context, "splats.gltf", (FfpExport){.size = sizeof(FfpExport)}, out, err);
 }
 
 static bool export_obj(FfpContext *context, const char *out, FfpError *err) {
-    return export_to(context, "mesh.obj", (FfpExport){.mesh = true, .resolution = 16}, out, err);
+    return export_to(context, "mesh.obj",
+                     (FfpExport){.size = sizeof(FfpExport), .mesh = true, .resolution = 16}, out, err);
 }
 
 static bool export_mesh(FfpContext *context, const char *out, FfpError *err) {
-    return export_to(context, "mesh.glb", (FfpExport){.mesh = true, .resolution = 16}, out, err);
+    return export_to(context, "mesh.glb",
+                     (FfpExport){.size = sizeof(FfpExport), .mesh = true, .resolution = 16}, out, err);
 }
 
 static bool inform(FfpContext *context, const char *out, FfpError *err) {
@@ -264,8 +275,10 @@ static bool copy_capture(FfpContext *context, const char *out, FfpError *err) {
 
 static bool align(FfpContext *context, const char *out, FfpError *err) {
     FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
-    const bool ok = capture && ffp_align_poses(context, capture, &(FfpAlignment){0}, NULL, err) &&
-                    ffp_write_file(out, &capture->views[0].camera, sizeof capture->views[0].camera, err);
+    const bool ok =
+        capture &&
+        ffp_align_poses(context, capture, &(FfpAlignment){.size = sizeof(FfpAlignment)}, NULL, err) &&
+        ffp_write_file(out, &capture->views[0].camera, sizeof capture->views[0].camera, err);
     ffp_capture_close(capture);
     return ok;
 }
@@ -273,7 +286,8 @@ static bool align(FfpContext *context, const char *out, FfpError *err) {
 static bool generate(FfpContext *context, const char *out, FfpError *err) {
     char command[FFP_PATH_MAX + 16];
     const char *made = in_scratch("made");
-    const FfpGeneration how = {.folder = made,
+    const FfpGeneration how = {.size = sizeof how,
+                               .folder = made,
                                .split = FFP_SPLIT_TRAIN,
                                .preset = FFP_PRESET_SMOKE,
                                .count = 2,
@@ -288,7 +302,7 @@ static bool generate(FfpContext *context, const char *out, FfpError *err) {
 static bool train_by(FfpContext *context, const char *config, int steps, const char *out, FfpError *err) {
     char command[FFP_PATH_MAX + 16];
     const char *run = in_scratch("run");
-    const FfpTraining how = {.out = run, .config = config, .steps = steps};
+    const FfpTraining how = {.size = sizeof how, .out = run, .config = config, .steps = steps};
     const bool ok = ffp_train_model(context, &how, err) && ffp_write_file(out, "done", 4, err);
     snprintf(command, sizeof command, "rm -rf -- '%s'", run);
     assert_int_equal(system(command), 0);

@@ -68,7 +68,7 @@ static void check_splats(const json_t *scene, const unsigned char *bytes, size_t
 
 static void test_what_it_holds_reads_back(void **state) {
     (void)state;
-    const FfpPage how = {.file = in_scratch("page.html"), .photographs = 8};
+    const FfpPage how = {.size = sizeof how, .file = in_scratch("page.html"), .photographs = 8};
     const FfpPageStats stats = write_page(&how);
     size_t size;
     unsigned char *bytes = decode(element("data"), &size);
@@ -100,7 +100,7 @@ static void test_names_cannot_break_the_page(void **state) {
     (void)state;
     char before[FFP_NAME_MAX];
     const char *bad = "</script><script>alert(\"1\")\\\n@FFP_PAGE_DATA@";
-    const FfpPage how = {.file = in_scratch("page.html")};
+    const FfpPage how = {.size = sizeof how, .file = in_scratch("page.html")};
     write_page(&how);
     const int scripts = count("</script>");
     memcpy(before, capture->name, sizeof before);
@@ -115,7 +115,7 @@ static void test_names_cannot_break_the_page(void **state) {
 
 static void test_the_real_projector_goes_along(void **state) {
     (void)state;
-    const FfpPage how = {.file = in_scratch("page.html")};
+    const FfpPage how = {.size = sizeof how, .file = in_scratch("page.html")};
     write_page(&how);
     json_t *scene = json_loads(element("scene"), 0, NULL);
     assert_null(json_object_get(scene, "panel"));
@@ -135,18 +135,20 @@ static void test_the_real_projector_goes_along(void **state) {
 
 static void test_photographs_are_left_out_when_asked(void **state) {
     (void)state;
-    const FfpPage how = {.file = in_scratch("page.html")};
+    const FfpPage how = {.size = sizeof how, .file = in_scratch("page.html")};
     assert_int_equal(write_page(&how).photographs, 0);
 }
 
 static void test_wrong_settings_are_refused(void **state) {
     (void)state;
-    const FfpPage wrong[] = {{.file = NULL},
-                             {.file = in_scratch("none.html"), .photographs = -1},
-                             {.file = in_scratch("none.html"), .photographs = 5000},
-                             {.file = in_scratch("none.html"), .drawing = {.form = FFP_FORM_GS_PROCAMS}},
-                             {.file = in_scratch("none.html"), .poses = "/no/such/file.json"},
-                             {.file = "/no/such/folder/page.html"}};
+    const size_t size = sizeof(FfpPage);
+    const FfpPage wrong[] = {
+        {.size = size, .file = NULL},
+        {.size = size, .file = in_scratch("none.html"), .photographs = -1},
+        {.size = size, .file = in_scratch("none.html"), .photographs = 5000},
+        {.size = size, .file = in_scratch("none.html"), .drawing = {.form = FFP_FORM_GS_PROCAMS}},
+        {.size = size, .file = in_scratch("none.html"), .poses = "/no/such/file.json"},
+        {.size = size, .file = "/no/such/folder/page.html"}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         FfpError err = {0};
         assert_false(ffp_write_page(NULL, gaussians, capture, &wrong[i], NULL, &err));

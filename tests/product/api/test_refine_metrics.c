@@ -15,7 +15,7 @@ static FfpGaussians *gaussians;
 static int setup(void **state) {
     (void)state;
     FfpError err = {0};
-    const FfpReconstruction how = {0};
+    const FfpReconstruction how = {.size = sizeof how};
     capture = ffp_capture_open(NULL, SAMPLE, &err);
     gaussians = capture ? ffp_reconstruct(NULL, capture, &how, NULL, &err) : NULL;
     return gaussians ? 0 : -1;
@@ -30,7 +30,7 @@ static int teardown(void **state) {
 
 static void refuse(const char *metrics) {
     FfpError err = {0};
-    const FfpRefinement how = {.steps = 8, .metrics = metrics};
+    const FfpRefinement how = {.size = sizeof how, .steps = 8, .metrics = metrics};
     FfpGaussians before = ffp_gaussians_copy(gaussians);
     assert_false(ffp_refine_gaussians(NULL, gaussians, capture, &how, NULL, &err));
     assert_int_equal(err.code, FFP_ERROR_IO);

@@ -26,7 +26,8 @@ static bool compensate(const char *pattern, FfpError *err) {
     FfpContextSettings settings = ffp_context_defaults();
     settings.log = keep_text;
     FfpContext *context = ffp_context_new(&settings, err);
-    const FfpCompensation how = {.views = &id,
+    const FfpCompensation how = {.size = sizeof how,
+                                 .views = &id,
                                  .n_views = 1,
                                  .targets = &target,
                                  .n_targets = 1,

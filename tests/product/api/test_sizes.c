@@ -61,7 +61,7 @@ static FfpModel *untrained(void) {
 // Of the Gaussians made from `capture`, on the sample's own photographs.
 static double psnr_of(const FfpCapture *capture, const FfpModel *model, int64_t polish) {
     FfpError err = {0};
-    const FfpReconstruction how = {.model = model, .polish = polish};
+    const FfpReconstruction how = {.size = sizeof how, .model = model, .polish = polish};
     FfpGaussians *gaussians = ffp_reconstruct(NULL, capture, &how, NULL, &err);
     if (!gaussians) fail_msg("%s", err.text);
     FfpCapture *sample = open_sample();
@@ -96,7 +96,7 @@ static void test_background_around_changes_nothing(void **state) {
     (void)state;
     FfpError err = {0};
     FfpCapture *plain = open_sample(), *wide = open_sample();
-    const FfpReconstruction how = {.polish = 0};
+    const FfpReconstruction how = {.size = sizeof how, .polish = 0};
     for (int v = 0; v < wide->n_views; v++) reframe(wide, v, 0, 0, 128 + 4 * v, 141 - v);
     FfpGaussians *a = ffp_reconstruct(NULL, plain, &how, NULL, &err),
                  *b = ffp_reconstruct(NULL, wide, &how, NULL, &err);
@@ -158,7 +158,7 @@ static void try_scene(int width, int height, int other, const FfpModel *model) {
     FfpError err = {0};
     FfpCapture scene = make_scene();
     for (int v = 0; v < scene.n_views; v++) reframe(&scene, v, 2, 1, width, height - v * other);
-    const FfpReconstruction how = {.model = model, .polish = 4, .noise = 0};
+    const FfpReconstruction how = {.size = sizeof how, .model = model, .polish = 4, .noise = 0};
     FfpReconstructionStats stats;
     FfpGaussians *gaussians = ffp_reconstruct(NULL, &scene, &how, &stats, &err);
     if (!gaussians) fail_msg("%d x %d: %s", width, height, err.text);

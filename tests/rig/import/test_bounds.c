@@ -162,7 +162,8 @@ static bool import_board(const char *calibration_name, const char *name, const i
         projected[i - 2] = (FfpImportPattern){names[i], patterns[i - 2]};
     }
     snprintf(folder, sizeof folder, "%s/%s", scratch, name);
-    const FfpImport settings = {.calibrations = calibrations,
+    const FfpImport settings = {.size = sizeof settings,
+                                .calibrations = calibrations,
                                 .n_calibrations = 1,
                                 .images = images,
                                 .n_images = 5,

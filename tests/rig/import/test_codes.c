@@ -180,7 +180,8 @@ static Call *call_of(const char *folder) {
     call.files[0] = call.calibration;
     call.images[0] = (FfpImportImages){black, 1, call.black};
     call.images[1] = (FfpImportImages){white, 1, call.white};
-    call.options = (FfpImport){.calibrations = call.files,
+    call.options = (FfpImport){.size = sizeof(FfpImport),
+                               .calibrations = call.files,
                                .n_calibrations = 1,
                                .images = call.images,
                                .n_images = 2,

@@ -37,7 +37,7 @@ typedef struct Import {
 // With a mask of the disc's own pixels, whose centre is `right` of where it is.
 static void open_import(Import *import, int times, int right) {
     *import = (Import){.pictures = {paths[0], paths[1], paths[2]}};
-    import->settings = (FfpImport){0};
+    import->settings = (FfpImport){.size = sizeof(FfpImport)};
     import->stop.camera = (FfpOptics){.width = times * WIDTH,
                                       .height = times * HEIGHT,
                                       .fx = 40 * times,

@@ -234,7 +234,8 @@ static Call *call_of(const char *folder, const char *file, const char *second) {
     call.image_list[0] = (FfpImportImages){names, 3, call.images};
     call.pattern_list[0] = (FfpImportPattern){"dots", call.pattern};
     call.file_list[0] = call.files[0], call.file_list[1] = call.files[1];
-    call.options = (FfpImport){.calibrations = call.file_list,
+    call.options = (FfpImport){.size = sizeof(FfpImport),
+                               .calibrations = call.file_list,
                                .n_calibrations = second ? 2 : 1,
                                .images = call.image_list,
                                .n_images = 1,
