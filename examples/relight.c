@@ -42,8 +42,9 @@ static bool draw(FfpRenderer *renderer, const FfpPinhole *camera, const FfpPinho
     const double begin = seconds();
     for (int f = 0; f < FRAMES; f++) {
         paint(pattern, projector->width, projector->height, f);
-        if (!ffp_renderer_shade(NULL, renderer, &light, intensity,
-                                strip + 3 * (size_t)camera->width * (size_t)f, FFP_PIXELS_U8, row, err))
+        const size_t left = 3 * (size_t)camera->width * (size_t)f;
+        if (!ffp_renderer_shade(NULL, renderer, &light, intensity, strip + left,
+                                row * (size_t)camera->height - left, FFP_PIXELS_U8, row, err))
             return false;
     }
     printf("%d pictures of %d x %d in %.1f ms\n", FRAMES, camera->width, camera->height,

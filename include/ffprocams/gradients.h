@@ -27,11 +27,12 @@ typedef struct FfpRenderBatch {
     bool linear;    // pictures are linear radiance over black, not clipped; otherwise sRGB-encoded in [0,1]
     bool gradients; // ffp_renderer_backward may follow: what it needs is kept
 } FfpRenderBatch;
-// Draws pictures [n_views,n_patterns,height,width,3] (NULL without patterns) and, where not NULL, maps
-// [n_views,height,width,channels], indexed by FfpMap (`maps` NULL: none), F32. The view of ffp_renderer_aim
-// is unaffected. If the call fails, the contents of pictures and maps are undefined.
+// Draws pictures [n_views,n_patterns,height,width,3], `count` numbers (0 without patterns), and the first
+// `n_maps` of the maps [n_views,height,width,channels], indexed by FfpMap, where not NULL, F32. The view of
+// ffp_renderer_aim is unaffected. If the call fails, the contents of pictures and maps are undefined.
 FFP_API bool ffp_renderer_forward(FfpContext *context, FfpRenderer *renderer, const FfpRenderBatch *batch,
-                                  float *pictures, float *const *maps, FfpError *err);
+                                  float *pictures, size_t count, float *const *maps, int n_maps,
+                                  FfpError *err);
 
 // Gradients of a loss, in the caller's arrays, which they replace; NULL: not wanted. Gaussians: with respect
 // to the numbers as given, rotations of any length. `count` is ignored. Poses: with respect to xi in exp(xi)
@@ -44,8 +45,8 @@ typedef struct FfpRenderGradients {
     double *camera_focals, *projector_focals; // [n_views,2]: fx, fy
 } FfpRenderGradients;
 // From the gradients of the pictures and maps of the last ffp_renderer_forward (which must have announced
-// them; arrays of the same shapes, NULL where there are none) to those of everything that was drawn from. May
-// be called again.
+// them; arrays of the same shapes and numbers, NULL where there are none) to those of everything that was
+// drawn from. May be called again.
 //
 // Constants of the backward pass: how much light a point gets past what stands in its way (shadows), and
 // whether it is inside the pattern; the size of a pixel's footprint in the pattern; the order of the splats,
@@ -53,7 +54,8 @@ typedef struct FfpRenderGradients {
 // shortest; whether a map's pixel has a surface; in the form of GS-ProCams, the distance of the light.
 // Gradients of pixels that are clipped (encoded pictures only) are 0.
 FFP_API bool ffp_renderer_backward(FfpContext *context, FfpRenderer *renderer, const float *pictures,
-                                   const float *const *maps, const FfpRenderGradients *out, FfpError *err);
+                                   size_t count, const float *const *maps, int n_maps,
+                                   const FfpRenderGradients *out, FfpError *err);
 
 // --- For training and fitting in other programs. ---
 
@@ -109,9 +111,9 @@ FFP_API FfpPreparedArrays ffp_prepared_arrays(const FfpPrepared *prepared);
 // A look (FfpModelForm.looks): the input views are drawn with the Gaussians of raw [count,raw_width], the
 // heads' numbers before their formulas; seen [count,seen_width] receives what each Gaussian's correction
 // follows from (src/engine/network/look_formula.h). Errors: a number that is not finite; a model without
-// looks.
-FFP_API bool ffp_prepared_look(FfpContext *context, const FfpPrepared *prepared, const float *raw,
-                               float *seen, FfpError *err);
+// looks; other counts of Gaussians.
+FFP_API bool ffp_prepared_look(FfpContext *context, const FfpPrepared *prepared, int64_t count,
+                               const float *raw, float *seen, FfpError *err);
 FFP_API void ffp_prepared_close(FfpPrepared *prepared);
 
 // The loss of sRGB-encoded pictures that all fits here share (FF-ProCams, Eqs. 18, 19):

@@ -25,10 +25,10 @@ FFP_API bool ffp_renderer_aim(FfpContext *context, FfpRenderer *renderer, const 
 // The camera's picture of the object over black under `pattern` (of the projector's size; data NULL: a dark
 // projector), for a projector of the given radiant intensity (as in FfpCaptureData). out [height,width,3],
 // sRGB-encoded: U8 rounded as in files, F32 in [0,1]; or RADIANCE, linear and not clipped, premultiplied by
-// opacity. `row_bytes` 0: rows are contiguous.
+// opacity. `size` bytes are out's; `row_bytes` 0: rows are contiguous.
 FFP_API bool ffp_renderer_shade(FfpContext *context, FfpRenderer *renderer, const FfpPicture *pattern,
-                                const double intensity[3], void *out, FfpPixelType type, size_t row_bytes,
-                                FfpError *err);
+                                const double intensity[3], void *out, size_t size, FfpPixelType type,
+                                size_t row_bytes, FfpError *err);
 // G-buffers: averages over each pixel, F32 [height,width,channels].
 typedef enum FfpMap {
     FFP_MAP_OPACITY,   // 1 channel, in [0,1]
@@ -43,9 +43,9 @@ typedef enum FfpMap {
     FFP_MAP_COUNT
 } FfpMap;
 FFP_API int ffp_map_channels(FfpMap map); // 1 or 3
-// A map of the view that was aimed at, of the camera's size.
+// A map of the view that was aimed at, of the camera's size, into `out`, which has room for `count` numbers.
 FFP_API bool ffp_renderer_map(FfpContext *context, FfpRenderer *renderer, FfpMap map, float *out,
-                              FfpError *err);
+                              size_t count, FfpError *err);
 
 // --- Pictures. ---
 
@@ -227,9 +227,10 @@ FFP_API FfpImages *ffp_map_images(FfpContext *context, const FfpGaussians *gauss
                                   const FfpPinhole *projector, FfpDrawing drawing, FfpMapStats *stats,
                                   FfpError *err);
 // The same for the views of a capture or a file of poses, written to files. Returns the number of files, or
-// -1. `stats` may be NULL; otherwise it must have room for all views.
+// -1. `stats` may be NULL; otherwise it has room for `n_stats` views, and if they are more, nothing is
+// written.
 FFP_API int ffp_write_maps(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
-                           const FfpMaps *options, FfpMapStats *stats, FfpError *err);
+                           const FfpMaps *options, FfpMapStats *stats, int n_stats, FfpError *err);
 
 // --- Export to other programs. ---
 

@@ -141,10 +141,19 @@ class Renderer(Handle):
         kind = lib.FFP_PIXELS_RADIANCE if linear else lib.FFP_PIXELS_U8 if out.dtype == np.uint8 else lib.FFP_PIXELS_F32
         picture = picture_of(pattern, keep, "pattern")
         memory = ffi.cast("void *", out.__array_interface__["data"][0])
+        size = (out.shape[0] - 1) * out.strides[0] + out.shape[1] * 3 * out.itemsize
         with self._call as call:
             call.check(
                 lib.ffp_renderer_shade(
-                    call.context, self._pointer, picture, intensity, memory, kind, out.strides[0], call.error
+                    call.context,
+                    self._pointer,
+                    picture,
+                    intensity,
+                    memory,
+                    size,
+                    kind,
+                    out.strides[0],
+                    call.error,
                 )
             )
         return out
@@ -162,7 +171,11 @@ class Renderer(Handle):
             out = np.empty((*self._aimed(), channels) if channels > 1 else self._aimed(), np.float32)
             memory: Any = ffi.cast("float *", out.__array_interface__["data"][0])
             with self._call as call:
-                call.check(lib.ffp_renderer_map(call.context, self._pointer, _MAPS[name], memory, call.error))
+                call.check(
+                    lib.ffp_renderer_map(
+                        call.context, self._pointer, _MAPS[name], memory, out.size, call.error
+                    )
+                )
         return out
 
     def maps(self) -> dict[str, Floats]:

@@ -213,7 +213,14 @@ def _draw(
         try:
             call.check(
                 lib.ffp_renderer_forward(
-                    call.context, canvas._pointer, batch, _at(pictures), table, call.error
+                    call.context,
+                    canvas._pointer,
+                    batch,
+                    _at(pictures),
+                    pictures.numel(),
+                    table,
+                    len(table),
+                    call.error,
                 )
             )
         except BaseException:
@@ -269,7 +276,16 @@ class _Render(torch.autograd.Function):
         maps = _maps_at({name: g for name, g in zip(job.maps, grads[1:]) if g is not None})
         with canvas._lock, canvas.call as call:
             call.check(
-                lib.ffp_renderer_backward(call.context, canvas._pointer, _at(grads[0]), maps, out, call.error)
+                lib.ffp_renderer_backward(
+                    call.context,
+                    canvas._pointer,
+                    _at(grads[0]),
+                    0 if grads[0] is None else grads[0].numel(),
+                    maps,
+                    len(maps),
+                    out,
+                    call.error,
+                )
             )
         rest: list[Any] = [numbers[0]]
         for i in (1, 3):

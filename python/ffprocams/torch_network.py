@@ -128,6 +128,7 @@ class Prepared:
                 lib.ffp_prepared_look(
                     call.context,
                     self.handle,
+                    len(numbers),
                     ffi.from_buffer("float[]", numbers),
                     ffi.from_buffer("float[]", seen, require_writable=True),
                     call.error,

@@ -57,8 +57,14 @@ void ffp_batch_free(FfpBatch *batch) {
 }
 
 FfpBatchShape ffp_batch_shape(const FfpBatch *batch) {
-    return (FfpBatchShape){batch->gaussians.count, batch->n_views,        batch->n_patterns,
-                           batch->pattern_width,   batch->pattern_height, batch->gradients};
+    return (FfpBatchShape){batch->gaussians.count,
+                           batch->n_views,
+                           batch->n_patterns,
+                           batch->pattern_width,
+                           batch->pattern_height,
+                           (size_t)batch->n_views * (size_t)batch->n_patterns * 3 * (size_t)batch->width *
+                               (size_t)batch->height,
+                           batch->gradients};
 }
 
 // --- Forward. ---

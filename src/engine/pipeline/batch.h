@@ -34,7 +34,8 @@ void ffp_batch_forward(FfpBatch *batch, const FfpBatchJob *job, float *pictures,
 typedef struct FfpBatchShape {
     int64_t gaussians;
     int views, patterns, pattern_width, pattern_height;
-    bool gradients; // they were announced
+    size_t pictures; // numbers of all of them
+    bool gradients;  // they were announced
 } FfpBatchShape;
 FfpBatchShape ffp_batch_shape(const FfpBatch *batch);
 // Gradients with respect to everything in `out` that is not NULL, which they replace.

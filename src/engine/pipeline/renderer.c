@@ -62,13 +62,18 @@ static bool take_pattern(FfpRenderer *renderer, const FfpRaw *pattern, FfpError 
     return true;
 }
 
-static bool check_out(const FfpPictureOut *out, size_t row, FfpError *err) {
+// The last row ends with its last pixel.
+static bool check_out(const FfpPictureOut *out, size_t row, int height, FfpError *err) {
     if (out->type != FFP_PIXELS_F32 && out->type != FFP_PIXELS_RADIANCE && out->type != FFP_PIXELS_U8)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "type",
                         "pictures are drawn as 8-bit or 32-bit float pixels");
-    return out->row_bytes == 0 || out->row_bytes >= row ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, "row_bytes", "rows of %zu bytes cannot hold %zu", out->row_bytes,
-                    row);
+    const size_t apart = out->row_bytes ? out->row_bytes : row;
+    if (apart < row)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "row_bytes", "rows of %zu bytes cannot hold %zu", apart,
+                        row);
+    return (out->size >= row && (out->size - row) / apart >= (size_t)height - 1) ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "size", "%zu bytes cannot hold %d rows of %zu", out->size,
+                    height, apart);
 }
 
 static bool take_intensity(const double intensity[3], real strength[3], FfpError *err) {
@@ -95,9 +100,10 @@ static void put_picture(const FfpPictureOut *out, size_t row_bytes, const FfpIma
 bool ffp_renderer_relight(FfpRenderer *renderer, const FfpRaw *pattern, const double intensity[3],
                           FfpPictureOut out, FfpError *err) {
     if (!check_aimed(renderer, err)) return false;
-    const size_t row = 3 * (size_t)renderer->camera.width * (out.type == FFP_PIXELS_U8 ? 1 : sizeof(float));
+    const FfpCamera *camera = &renderer->camera;
+    const size_t row = 3 * (size_t)camera->width * (out.type == FFP_PIXELS_U8 ? 1 : sizeof(float));
     real strength[3];
-    if (!check_out(&out, row, err) || !take_intensity(intensity, strength, err)) return false;
+    if (!check_out(&out, row, camera->height, err) || !take_intensity(intensity, strength, err)) return false;
     const bool dark = !pattern->data;
     if (!dark && !take_pattern(renderer, pattern, err)) return false;
     FfpImage picture = ffp_view_pass_picture_new(renderer->pass);
@@ -112,10 +118,14 @@ bool ffp_renderer_relight(FfpRenderer *renderer, const FfpRaw *pattern, const do
     return true;
 }
 
-bool ffp_renderer_values(FfpRenderer *renderer, FfpMap map, float *out, FfpError *err) {
+bool ffp_renderer_values(FfpRenderer *renderer, FfpMap map, float *out, size_t count, FfpError *err) {
     if (!check_aimed(renderer, err)) return false;
     if ((unsigned)map >= FFP_MAP_COUNT)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "map", "unknown map %d", map);
+    const FfpCamera *camera = &renderer->camera;
+    const size_t numbers = (size_t)camera->width * (size_t)camera->height * (size_t)ffp_map_width(map);
+    if (count < numbers)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "count", "the map has %zu numbers, not %zu", numbers, count);
     ffp_map_values(ffp_view_pass_gbuffer(renderer->pass), map, out);
     return true;
 }

@@ -30,17 +30,18 @@ FfpBatch *ffp_renderer_batch(FfpRenderer *renderer);
 void ffp_renderer_draw(FfpRenderer *renderer, const FfpGaussians *gaussians, const FfpCamera *camera,
                        const FfpCamera *projector);
 
-// A picture in the caller's memory: sRGB-encoded RGB, U8 or F32 in [0,1], or linear RADIANCE; row_bytes 0:
-// rows follow each other.
+// A picture in the caller's memory, `size` bytes: sRGB-encoded RGB, U8 or F32 in [0,1], or linear RADIANCE;
+// row_bytes 0: rows follow each other.
 typedef struct FfpPictureOut {
     void *pixels;
+    size_t size;
     FfpPixelType type;
     size_t row_bytes;
 } FfpPictureOut;
 // The view drawn last, under a pattern (without data: a dark projector) of a projector of that intensity.
 bool ffp_renderer_relight(FfpRenderer *renderer, const FfpRaw *pattern, const double intensity[3],
                           FfpPictureOut out, FfpError *err);
-// Its map, F32 [height,width,channels].
-bool ffp_renderer_values(FfpRenderer *renderer, FfpMap map, float *out, FfpError *err);
+// Its map, F32 [height,width,channels], into room for `count` numbers.
+bool ffp_renderer_values(FfpRenderer *renderer, FfpMap map, float *out, size_t count, FfpError *err);
 
 #endif

@@ -12,8 +12,20 @@ typedef struct ForwardCall {
     FfpRenderer *renderer;
     const FfpRenderBatch *given;
     float *pictures;
-    float *const *maps;
+    size_t count;
+    float *maps[FFP_MAP_COUNT];
 } ForwardCall;
+
+static bool check_numbers(size_t count, size_t numbers, FfpError *err) {
+    return count == numbers || ffp_fail(err, FFP_ERROR_ARGUMENT, "count",
+                                        "the pictures have %zu numbers, not %zu", numbers, count);
+}
+
+static bool check_maps(const void *maps, int n_maps, FfpError *err) {
+    if (n_maps < 0 || n_maps > FFP_MAP_COUNT)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "n_maps", "%d is not in 0 to %d", n_maps, FFP_MAP_COUNT);
+    return n_maps == 0 || ffp_need(maps, "maps", err);
+}
 
 static bool check_counts(const FfpRenderBatch *b, FfpError *err) {
     if (b->n_views < 1 || b->n_views > VIEWS_MAX)
@@ -70,14 +82,17 @@ static bool check_same(const FfpBatch *batch, const FfpRenderBatch *b, const Ffp
 }
 
 // Job and batch are checked. The handle owns the contents of the batch afterwards.
-static bool draw(const ForwardCall *call, FfpBatchJob *job, FfpImage *patterns, FfpCamera *devices,
-                 FfpError *err) {
+static bool draw(ForwardCall *call, FfpBatchJob *job, FfpImage *patterns, FfpCamera *devices, FfpError *err) {
     const FfpRenderBatch *b = call->given;
     FfpCamera *projectors = devices + b->n_views;
     FfpBatch *batch = ffp_renderer_batch(call->renderer);
     ffp_blocks_use(NULL);
     if (!take_devices(devices, b->cameras, b->n_views, "cameras", err) ||
         !take_devices(projectors, b->projectors, b->n_views, "projectors", err) ||
+        !check_numbers(call->count,
+                       (size_t)b->n_views * (size_t)b->n_patterns * 3 * (size_t)devices->width *
+                           (size_t)devices->height,
+                       err) ||
         !(b->same_patterns ? check_same(batch, b, projectors, err)
                            : take_patterns(patterns, b, projectors, err)))
         return false;
@@ -91,7 +106,7 @@ static bool draw(const ForwardCall *call, FfpBatchJob *job, FfpImage *patterns, 
 }
 
 static bool forward(void *argument, FfpError *err) {
-    const ForwardCall *call = argument;
+    ForwardCall *call = argument;
     const FfpRenderBatch *b = call->given;
     if (!ffp_check_arrays(&b->gaussians, err)) return false;
     const FfpGaussians gaussians = ffp_gaussians_of(&b->gaussians);
@@ -112,19 +127,22 @@ static bool forward(void *argument, FfpError *err) {
 }
 
 bool ffp_renderer_forward(FfpContext *context, FfpRenderer *renderer, const FfpRenderBatch *batch,
-                          float *pictures, float *const *maps, FfpError *err) {
-    ForwardCall call = {renderer, batch, pictures, maps};
+                          float *pictures, size_t count, float *const *maps, int n_maps, FfpError *err) {
+    ForwardCall call = {renderer, batch, pictures, count, {NULL}};
     if (!ffp_need(renderer, "renderer", err) || !ffp_need(batch, "batch", err) || !check_counts(batch, err) ||
         (batch->n_patterns > 0 && !ffp_need(pictures, "pictures", err)) ||
-        (batch->n_patterns > 0 && !batch->same_patterns && !ffp_need(batch->patterns, "patterns", err)))
+        (batch->n_patterns > 0 && !batch->same_patterns && !ffp_need(batch->patterns, "patterns", err)) ||
+        !check_maps(maps, n_maps, err))
         return false;
+    for (int m = 0; m < n_maps; m++) call.maps[m] = maps[m];
     return ffp_call_run(context, forward, &call, err);
 }
 
 typedef struct BackwardCall {
     FfpRenderer *renderer;
     const float *pictures;
-    const float *const *maps;
+    size_t count;
+    const float *maps[FFP_MAP_COUNT];
     const FfpRenderGradients *out;
 } BackwardCall;
 
@@ -135,14 +153,18 @@ static bool backward(void *argument, FfpError *err) {
     if (shape.gaussians == 0 || !shape.gradients)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "renderer",
                         "nothing was drawn with `gradients` set by ffp_renderer_forward");
+    if (call->pictures && !check_numbers(call->count, shape.pictures, err)) return false;
     ffp_batch_backward(ffp_renderer_batch(call->renderer), call->pictures, call->maps, call->out);
     ffp_blocks_use(NULL);
     return true;
 }
 
-bool ffp_renderer_backward(FfpContext *context, FfpRenderer *renderer, const float *pictures,
-                           const float *const *maps, const FfpRenderGradients *out, FfpError *err) {
-    BackwardCall call = {renderer, pictures, maps, out};
-    if (!ffp_need(renderer, "renderer", err) || !ffp_need(out, "out", err)) return false;
+bool ffp_renderer_backward(FfpContext *context, FfpRenderer *renderer, const float *pictures, size_t count,
+                           const float *const *maps, int n_maps, const FfpRenderGradients *out,
+                           FfpError *err) {
+    BackwardCall call = {renderer, pictures, count, {NULL}, out};
+    if (!ffp_need(renderer, "renderer", err) || !ffp_need(out, "out", err) || !check_maps(maps, n_maps, err))
+        return false;
+    for (int m = 0; m < n_maps; m++) call.maps[m] = maps[m];
     return ffp_call_run(context, backward, &call, err);
 }

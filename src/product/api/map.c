@@ -44,19 +44,20 @@ typedef struct FilesCall {
     const FfpCapture *capture;
     const FfpMaps *options;
     FfpMapStats *stats;
-    int written;
+    int n_stats, written;
 } FilesCall;
 
 static bool into_files(void *argument, FfpError *err) {
     FilesCall *call = argument;
-    call->written = ffp_maps_run(call->gaussians, call->capture, call->options, call->stats, err);
+    call->written =
+        ffp_maps_run(call->gaussians, call->capture, call->options, call->stats, call->n_stats, err);
     return call->written >= 0;
 }
 
 int ffp_write_maps(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
-                   const FfpMaps *options, FfpMapStats *stats, FfpError *err) {
+                   const FfpMaps *options, FfpMapStats *stats, int n_stats, FfpError *err) {
     FfpMaps own = ffp_maps_defaults();
-    FilesCall call = {gaussians, capture, &own, stats, 0};
+    FilesCall call = {gaussians, capture, &own, stats, n_stats, 0};
     if (!ffp_need_gaussians(gaussians, err) || !ffp_need(capture, "capture", err) ||
         !ffp_take_options(&own, options, "FfpMaps", err) || !ffp_need(own.folder, "folder", err) ||
         !ffp_need_texts(own.views, own.n_views, "views", err) || !ffp_check_drawing(own.drawing, err))

@@ -114,11 +114,14 @@ static bool look(void *argument, FfpError *err) {
     return ffp_prepared_seen(call->prepared, call->raw, call->seen, err);
 }
 
-bool ffp_prepared_look(FfpContext *context, const FfpPrepared *prepared, const float *raw, float *seen,
-                       FfpError *err) {
+bool ffp_prepared_look(FfpContext *context, const FfpPrepared *prepared, int64_t count, const float *raw,
+                       float *seen, FfpError *err) {
     LookCall call = {prepared, raw, seen};
     if (!ffp_need(prepared, "prepared", err) || !ffp_need(raw, "raw", err) || !ffp_need(seen, "seen", err))
         return false;
+    if (count != prepared->count)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "count", "%lld Gaussians instead of %lld", (long long)count,
+                        (long long)prepared->count);
     return ffp_call_run(context, look, &call, err);
 }
 

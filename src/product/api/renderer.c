@@ -66,9 +66,9 @@ static bool shade(void *argument, FfpError *err) {
 }
 
 bool ffp_renderer_shade(FfpContext *context, FfpRenderer *renderer, const FfpPicture *pattern,
-                        const double intensity[3], void *out, FfpPixelType type, size_t row_bytes,
-                        FfpError *err) {
-    ShadeCall call = {renderer, pattern, intensity, {out, type, row_bytes}};
+                        const double intensity[3], void *out, size_t size, FfpPixelType type,
+                        size_t row_bytes, FfpError *err) {
+    ShadeCall call = {renderer, pattern, intensity, {out, size, type, row_bytes}};
     if (!ffp_need(renderer, "renderer", err) || !ffp_need(intensity, "intensity", err) ||
         !ffp_need(out, "out", err))
         return false;
@@ -83,15 +83,17 @@ typedef struct MapCall {
     FfpRenderer *renderer;
     FfpMap map;
     float *out;
+    size_t count;
 } MapCall;
 
 static bool give_map(void *argument, FfpError *err) {
     const MapCall *call = argument;
-    return ffp_renderer_values(call->renderer, call->map, call->out, err);
+    return ffp_renderer_values(call->renderer, call->map, call->out, call->count, err);
 }
 
-bool ffp_renderer_map(FfpContext *context, FfpRenderer *renderer, FfpMap map, float *out, FfpError *err) {
-    MapCall call = {renderer, map, out};
+bool ffp_renderer_map(FfpContext *context, FfpRenderer *renderer, FfpMap map, float *out, size_t count,
+                      FfpError *err) {
+    MapCall call = {renderer, map, out, count};
     if (!ffp_need(renderer, "renderer", err) || !ffp_need(out, "out", err)) return false;
     return ffp_call_run(context, give_map, &call, err);
 }

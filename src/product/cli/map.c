@@ -30,7 +30,8 @@ static int run(void *data) {
     FfpCapture *capture =
         gaussians ? ffp_capture_open_devices(ffp_cli_context(), arguments->capture, false, &err) : NULL;
     if (capture && ffp_cli_turn(gaussians, arguments->gaussians, capture, arguments->up, &err))
-        written = ffp_write_maps(ffp_cli_context(), gaussians, capture, &arguments->maps, stats, &err);
+        written = ffp_write_maps(ffp_cli_context(), gaussians, capture, &arguments->maps, stats,
+                                 FFP_MAP_STATS, &err);
     if (written >= 0) tell(arguments, stats, written);
     ffp_capture_close(capture);
     ffp_gaussians_close(gaussians);

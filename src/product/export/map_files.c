@@ -119,11 +119,14 @@ static bool open_archive(Writer *writer, FfpMpcdi *archive, const FfpChosen *cho
 }
 
 int ffp_maps_run(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpMaps *options,
-                 FfpMapStats *stats, FfpError *err) {
+                 FfpMapStats *stats, int n_stats, FfpError *err) {
     FfpChosen chosen;
     FfpMpcdi archive = {0};
     Writer writer = {.written = 0};
     bool ok = ffp_choose_views(&chosen, capture, options->poses, options->views, options->n_views, err) &&
+              (!stats || n_stats >= chosen.n_views ||
+               ffp_fail(err, FFP_ERROR_ARGUMENT, "stats", "has room for %d of %d views", n_stats,
+                        chosen.n_views)) &&
               check_names(&chosen, options->folder, err) &&
               ffp_output_open_folder(&writer.folder, options->folder, false, err);
     if (ok) ffp_note_elsewhere(gaussians, capture);

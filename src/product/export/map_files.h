@@ -8,6 +8,6 @@
 
 // The work of ffp_write_maps (ffprocams/render.h): the number of files, or -1.
 int ffp_maps_run(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpMaps *options,
-                 FfpMapStats *stats, FfpError *err);
+                 FfpMapStats *stats, int n_stats, FfpError *err);
 
 #endif

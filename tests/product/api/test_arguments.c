@@ -92,7 +92,7 @@ static void pictures_are_told_where_to_go(void **state) {
     refused(!ffp_compensate_images(NULL, gaussians, NULL, &compensation, NULL, &err), "capture");
     compensation.n_targets = 0;
     refused(!ffp_compensate(NULL, gaussians, capture, &compensation, NULL, &err), "pattern");
-    refused(ffp_write_maps(NULL, gaussians, capture, &maps, NULL, &err) < 0, "folder");
+    refused(ffp_write_maps(NULL, gaussians, capture, &maps, NULL, 0, &err) < 0, "folder");
     refused(!ffp_map_images(NULL, gaussians, capture, NULL, &device, (FfpDrawing){0}, NULL, &err), "camera");
     refused(!ffp_export(NULL, gaussians, capture, &export, NULL, &err), "file");
     export.file = "a.ply", export.up = (FfpUp)7;
@@ -156,20 +156,25 @@ static void drawings_are_checked(void **state) {
         refused(!ffp_write_page(NULL, gaussians, capture, &page, NULL, &err), field);
         refused(!ffp_compensate(NULL, gaussians, capture, &compensation, NULL, &err), field);
         refused(!ffp_compensate_images(NULL, gaussians, capture, &compensation, NULL, &err), field);
-        refused(ffp_write_maps(NULL, gaussians, capture, &maps, NULL, &err) < 0, field);
+        refused(ffp_write_maps(NULL, gaussians, capture, &maps, NULL, 0, &err) < 0, field);
         refused(!ffp_map_images(NULL, gaussians, capture, &camera, &projector, bad[i], NULL, &err), field);
         refused(!ffp_refine_gaussians(NULL, gaussians, capture, &how, NULL, &err), field);
         refused(!ffp_fit_from_scratch(NULL, capture, NULL, &how, NULL, &err), field);
         refused(!ffp_evaluate(NULL, &evaluation, &n, &err), field);
     }
     refused(!ffp_export(NULL, gaussians, capture, &export, NULL, &err), "drawing.form");
+    FfpMapStats two[2]; // for three views
+    maps.drawing = (FfpDrawing){0}, maps.folder = in_scratch("maps");
+    refused(ffp_write_maps(NULL, gaussians, capture, &maps, two, 2, &err) < 0, "stats");
+    assert_false(ffp_is_folder(in_scratch("maps")));
     FfpRenderer *renderer = ffp_renderer_new(NULL, (FfpDrawing){.samples = 4}, &err);
     assert_non_null(renderer);
     refused(!ffp_renderer_aim(NULL, NULL, gaussians, &camera, &projector, &err), "renderer");
     refused(!ffp_renderer_aim(NULL, renderer, gaussians, NULL, &projector, &err), "camera");
     assert_true(ffp_renderer_aim(NULL, renderer, gaussians, &camera, &projector, &err));
-    refused(!ffp_renderer_shade(NULL, renderer, NULL, NULL, &n, FFP_PIXELS_U8, 0, &err), "intensity");
-    refused(!ffp_renderer_map(NULL, renderer, FFP_MAP_DEPTH, NULL, &err), "out");
+    refused(!ffp_renderer_shade(NULL, renderer, NULL, NULL, &n, sizeof n, FFP_PIXELS_U8, 0, &err),
+            "intensity");
+    refused(!ffp_renderer_map(NULL, renderer, FFP_MAP_DEPTH, NULL, 0, &err), "out");
     ffp_renderer_close(renderer);
 }
 

@@ -27,10 +27,10 @@ static bool draw(Caller *c, FfpContext *context, const FfpCapture *capture) {
     const double intensity[3] = {5, 5, 5};
     const FfpPicture pattern = ffp_capture_picture(capture, -1, 2);
     FfpRenderer *renderer = ffp_renderer_new(context, (FfpDrawing){0}, &c->err);
-    const bool ok =
-        renderer && ffp_capture_view_devices(capture, 0, &camera, &projector) &&
-        ffp_renderer_aim(context, renderer, c->refined, &camera, &projector, &c->err) &&
-        ffp_renderer_shade(context, renderer, &pattern, intensity, c->picture, FFP_PIXELS_U8, 0, &c->err);
+    const bool ok = renderer && ffp_capture_view_devices(capture, 0, &camera, &projector) &&
+                    ffp_renderer_aim(context, renderer, c->refined, &camera, &projector, &c->err) &&
+                    ffp_renderer_shade(context, renderer, &pattern, intensity, c->picture, PIXELS,
+                                       FFP_PIXELS_U8, 0, &c->err);
     ffp_renderer_close(renderer);
     return ok;
 }
@@ -137,10 +137,11 @@ static void *share(void *argument) {
     const FfpPicture pattern = ffp_capture_picture(s->shared->capture, -1, 2);
     FfpRenderer *renderer = ffp_renderer_new(context, (FfpDrawing){0}, &s->err);
     s->made = ffp_reconstruct(context, s->shared->capture, &how, NULL, &s->err);
-    const bool ok =
-        s->made && renderer && ffp_capture_view_devices(s->shared->capture, 0, &camera, &projector) &&
-        ffp_renderer_aim(context, renderer, s->shared->gaussians, &camera, &projector, &s->err) &&
-        ffp_renderer_shade(context, renderer, &pattern, intensity, s->picture, FFP_PIXELS_U8, 0, &s->err);
+    const bool ok = s->made && renderer &&
+                    ffp_capture_view_devices(s->shared->capture, 0, &camera, &projector) &&
+                    ffp_renderer_aim(context, renderer, s->shared->gaussians, &camera, &projector, &s->err) &&
+                    ffp_renderer_shade(context, renderer, &pattern, intensity, s->picture, PIXELS,
+                                       FFP_PIXELS_U8, 0, &s->err);
     ffp_renderer_close(renderer);
     ffp_context_free(context);
     return ok ? s : NULL;

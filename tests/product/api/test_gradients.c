@@ -69,8 +69,14 @@ static void make_scene(bool linear) {
     }
 }
 
+// Of the pictures.
+static size_t numbers(void) {
+    return (size_t)scene.batch.n_views * (size_t)scene.batch.n_patterns * PIXELS * 3;
+}
+
 static void forward(FfpContext *context, FfpRenderer *renderer) {
-    require(ffp_renderer_forward(context, renderer, &scene.batch, scene.drawn, scene.map_out, &err));
+    require(ffp_renderer_forward(context, renderer, &scene.batch, scene.drawn, numbers(), scene.map_out,
+                                 FFP_MAP_COUNT, &err));
 }
 
 // --- The same as one by one. ---
@@ -80,13 +86,13 @@ static void compare_view(FfpRenderer *alone, int v) {
     require(ffp_renderer_aim(NULL, alone, gaussians, &scene.cameras[v], &scene.projectors[v], &err));
     for (int p = 0; p < PATTERNS; p++) {
         require(ffp_renderer_shade(NULL, alone, &scene.pictures[p], scene.batch.intensity, picture,
-                                   FFP_PIXELS_F32, 0, &err));
+                                   sizeof picture, FFP_PIXELS_F32, 0, &err));
         assert_memory_equal(picture, scene.drawn + (v * PATTERNS + p) * PIXELS * 3, sizeof picture);
     }
     for (int m = 0; m < FFP_MAP_COUNT; m++) {
-        const size_t numbers = (size_t)PIXELS * (size_t)ffp_map_channels((FfpMap)m);
-        require(ffp_renderer_map(NULL, alone, (FfpMap)m, picture, &err));
-        assert_memory_equal(picture, scene.maps[m] + (size_t)v * numbers, numbers * sizeof(float));
+        const size_t of_map = (size_t)PIXELS * (size_t)ffp_map_channels((FfpMap)m);
+        require(ffp_renderer_map(NULL, alone, (FfpMap)m, picture, PIXELS * 3, &err));
+        assert_memory_equal(picture, scene.maps[m] + (size_t)v * of_map, of_map * sizeof(float));
     }
 }
 
@@ -136,7 +142,8 @@ static void free_gradients(Gradients *g) {
 static Gradients backward(FfpContext *context, FfpRenderer *renderer) {
     Gradients g = {.patterns = NULL};
     const FfpRenderGradients out = gradients_out(&g);
-    require(ffp_renderer_backward(context, renderer, scene.weights, scene.map_in, &out, &err));
+    require(ffp_renderer_backward(context, renderer, scene.weights, numbers(), scene.map_in, FFP_MAP_COUNT,
+                                  &out, &err));
     return g;
 }
 
@@ -253,9 +260,9 @@ static void test_distortion(void **state) {
                                   .gradients = true};
     const FfpRenderGradients out = {.gaussians = {.centre = moved}};
     FfpRenderer *renderer = ffp_renderer_new(NULL, (FfpDrawing){.form = FFP_FORM_PAPER, .samples = 1}, &err);
-    require(ffp_renderer_forward(NULL, renderer, &batch, NULL, maps, &err));
+    require(ffp_renderer_forward(NULL, renderer, &batch, NULL, 0, maps, FFP_MAP_COUNT, &err));
     assert_float_equal(map[MIDDLE], 2 * a * a * (1 - a) * apart, 1e-5);
-    require(ffp_renderer_backward(NULL, renderer, NULL, grads, &out, &err));
+    require(ffp_renderer_backward(NULL, renderer, NULL, 0, grads, FFP_MAP_COUNT, &out, &err));
     assert_float_equal(moved[2], -2 * a * a * (1 - a), 1e-4);
     assert_float_equal(moved[5], 2 * a * a * (1 - a), 1e-4);
     ffp_renderer_close(renderer);
@@ -280,8 +287,8 @@ static void test_views_add_up(void **state) {
         const float *maps[FFP_MAP_COUNT];
         for (int m = 0; m < FFP_MAP_COUNT; m++)
             maps[m] = scene.map_weights[m] + v * PIXELS * ffp_map_channels((FfpMap)m);
-        require(ffp_renderer_backward(NULL, renderer, scene.weights + v * PATTERNS * PIXELS * 3, maps, &out,
-                                      &err));
+        require(ffp_renderer_backward(NULL, renderer, scene.weights + v * PATTERNS * PIXELS * 3,
+                                      PATTERNS * PIXELS * 3, maps, FFP_MAP_COUNT, &out, &err));
         for (size_t i = 0; i < centres; i++) sum[i] += (double)g.all[0][i];
         for (int k = 0; k < 6; k++) assert_float_equal(g.cameras[k], together.cameras[6 * v + k], 1e-3);
         free_gradients(&g);
@@ -323,7 +330,7 @@ static void test_any_number_of_threads(void **state) {
 // --- What is refused. ---
 
 static void refused(FfpRenderer *renderer, const char *word) {
-    assert_false(ffp_renderer_forward(NULL, renderer, &scene.batch, scene.drawn, NULL, &err));
+    assert_false(ffp_renderer_forward(NULL, renderer, &scene.batch, scene.drawn, numbers(), NULL, 0, &err));
     assert_int_equal(err.code, FFP_ERROR_ARGUMENT);
     if (!strstr(err.text, word)) fail_msg("no \"%s\" in: %s", word, err.text);
     make_scene(false);
@@ -334,10 +341,12 @@ static void test_refused(void **state) {
     const FfpRenderGradients none = {.patterns = NULL};
     FfpRenderer *renderer = ffp_renderer_new(NULL, (FfpDrawing){0}, &err);
     make_scene(false);
-    assert_false(ffp_renderer_backward(NULL, renderer, scene.weights, NULL, &none, &err)); // nothing drawn
+    assert_false(ffp_renderer_backward(NULL, renderer, scene.weights, PICTURES, NULL, 0, &none,
+                                       &err)); // nothing drawn
     scene.batch.gradients = false;
     forward(NULL, renderer);
-    assert_false(ffp_renderer_backward(NULL, renderer, scene.weights, NULL, &none, &err)); // not announced
+    assert_false(ffp_renderer_backward(NULL, renderer, scene.weights, PICTURES, NULL, 0, &none,
+                                       &err)); // not announced
     make_scene(false);
     scene.batch.n_views = 0, refused(renderer, "n_views");
     scene.batch.n_patterns = 1 << 20, refused(renderer, "n_patterns");
@@ -352,9 +361,24 @@ static void test_refused(void **state) {
     scene.arrays.scale[4] = NAN;
     refused(renderer, "row 1");
     scene.arrays.scale[4] = kept;
+    // Arrays of other lengths.
+    assert_false(
+        ffp_renderer_forward(NULL, renderer, &scene.batch, scene.drawn, PICTURES - 1, NULL, 0, &err));
+    assert_non_null(strstr(err.text, "(count)"));
+    assert_false(ffp_renderer_forward(NULL, renderer, &scene.batch, scene.drawn, PICTURES, scene.map_out,
+                                      FFP_MAP_COUNT + 1, &err));
+    assert_non_null(strstr(err.text, "(n_maps)"));
+    forward(NULL, renderer);
+    assert_false(ffp_renderer_backward(NULL, renderer, scene.weights, PICTURES + 1, NULL, 0, &none, &err));
+    assert_non_null(strstr(err.text, "(count)"));
+    assert_false(ffp_renderer_backward(NULL, renderer, scene.weights, PICTURES, NULL, 1, &none, &err));
+    assert_non_null(strstr(err.text, "(maps)"));
+    // Of a program that knows two maps, no more than these are read.
+    float *two[FFP_MAP_COUNT] = {scene.maps[0], scene.maps[1], (float *)1};
+    require(ffp_renderer_forward(NULL, renderer, &scene.batch, scene.drawn, PICTURES, two, 2, &err));
     scene.batch.n_patterns = 0; // maps alone
     forward(NULL, renderer);
-    require(ffp_renderer_backward(NULL, renderer, NULL, scene.map_in, &none, &err));
+    require(ffp_renderer_backward(NULL, renderer, NULL, 0, scene.map_in, FFP_MAP_COUNT, &none, &err));
     ffp_renderer_close(renderer);
 }
 

@@ -70,7 +70,7 @@ TAKES(images, FfpCompensation, ffp_compensation_defaults,
 TAKES(compensate, FfpCompensation, ffp_compensation_defaults,
       ffp_compensate(cancelled, gaussians, capture, options, NULL, &err))
 TAKES(maps, FfpMaps, ffp_maps_defaults,
-      ffp_write_maps(cancelled, gaussians, capture, options, NULL, &err) >= 0)
+      ffp_write_maps(cancelled, gaussians, capture, options, NULL, 0, &err) >= 0)
 TAKES(splats, FfpExport, ffp_export_defaults, ffp_export(cancelled, gaussians, capture, options, NULL, &err))
 TAKES(evaluate, FfpEvaluation, ffp_evaluation_defaults, evaluate(options))
 TAKES(train, FfpTraining, ffp_training_defaults, ffp_train_model(cancelled, options, &err))

@@ -247,28 +247,39 @@ static void test_drawing_into_memory_is_what_files_hold(void **state) {
     unsigned char *bytes = ffp_alloc(3 * pixels, 1);
     float *values = ffp_alloc(3 * pixels * sizeof *values, 1);
     assert_true(bytes && values);
-    assert_false(
-        ffp_renderer_shade(NULL, renderer, &light, intensity, bytes, FFP_PIXELS_U8, 0, &err)); // not aimed
+    assert_false(ffp_renderer_shade(NULL, renderer, &light, intensity, bytes, 3 * pixels, FFP_PIXELS_U8, 0,
+                                    &err)); // not aimed
     assert_int_equal(err.code, FFP_ERROR_ARGUMENT);
     assert_true(ffp_renderer_aim(NULL, renderer, gaussians, &camera, &projector, &err));
-    assert_true(ffp_renderer_shade(NULL, renderer, &light, intensity, bytes, FFP_PIXELS_U8, 0, &err));
+    assert_true(
+        ffp_renderer_shade(NULL, renderer, &light, intensity, bytes, 3 * pixels, FFP_PIXELS_U8, 0, &err));
     for (size_t i = 0; i < pixels; i++)
         for (size_t c = 0; c < 3; c++)
             assert_int_equal(bytes[3 * i + c], (int)(file.data[4 * i + c] * 255 + 0.5F));
     // Dark, the object shows its ambient colour and no more.
-    assert_true(ffp_renderer_shade(NULL, renderer, NULL, intensity, values, FFP_PIXELS_F32, 0, &err));
+    assert_true(ffp_renderer_shade(NULL, renderer, NULL, intensity, values, 3 * pixels * sizeof *values,
+                                   FFP_PIXELS_F32, 0, &err));
     double dark = 0, lit = 0;
     for (size_t i = 0; i < 3 * pixels; i++) dark += (double)values[i], lit += bytes[i] / 255.0;
     assert_true(dark > 0 && dark < 0.9 * lit);
     for (int m = 0; m < FFP_MAP_COUNT; m++) {
         double sum = 0;
-        assert_true(ffp_renderer_map(NULL, renderer, (FfpMap)m, values, &err));
+        assert_true(ffp_renderer_map(NULL, renderer, (FfpMap)m, values, 3 * pixels, &err));
         for (size_t i = 0; i < pixels * (size_t)ffp_map_channels((FfpMap)m); i++)
             sum += fabs((double)values[i]);
         assert_true(sum > 0 && isfinite(sum));
     }
+    // No more is written than there is room for.
+    assert_false(
+        ffp_renderer_shade(NULL, renderer, &light, intensity, bytes, 3 * pixels - 1, FFP_PIXELS_U8, 0, &err));
+    assert_non_null(strstr(err.text, "(size)"));
+    assert_false(ffp_renderer_shade(NULL, renderer, &light, intensity, bytes, 3 * pixels, FFP_PIXELS_U8,
+                                    3 * (size_t)camera.width + 1, &err));
+    assert_false(ffp_renderer_map(NULL, renderer, FFP_MAP_NORMAL, values, 3 * pixels - 1, &err));
+    assert_non_null(strstr(err.text, "(count)"));
     light.width--;
-    assert_false(ffp_renderer_shade(NULL, renderer, &light, intensity, bytes, FFP_PIXELS_U8, 0, &err));
+    assert_false(
+        ffp_renderer_shade(NULL, renderer, &light, intensity, bytes, 3 * pixels, FFP_PIXELS_U8, 0, &err));
     ffp_renderer_close(renderer);
     ffp_image_free(&file);
     ffp_free(bytes), ffp_free(values);
@@ -308,7 +319,8 @@ static void test_large_files_are_drawn_in_strips(void **state) {
     FfpRenderer *renderer = ffp_renderer_new(NULL, (FfpDrawing){0}, &err);
     unsigned char *bytes = ffp_alloc((size_t)3 * SIDE * SIDE, 1);
     assert_true(ffp_renderer_aim(NULL, renderer, gaussians, &camera, &projector, &err));
-    assert_true(ffp_renderer_shade(NULL, renderer, &light, intensity, bytes, FFP_PIXELS_U8, 0, &err));
+    assert_true(ffp_renderer_shade(NULL, renderer, &light, intensity, bytes, (size_t)3 * SIDE * SIDE,
+                                   FFP_PIXELS_U8, 0, &err));
     int64_t lit = 0, different = 0;
     for (size_t i = 0; i < (size_t)SIDE * SIDE; i++)
         for (size_t c = 0; c < 3; c++) {

@@ -115,7 +115,8 @@ static bool draw(FfpContext *context, const char *out, FfpError *err) {
         ffp_capture_view_devices(capture, 0, &camera, &projector);
         camera.width = camera.height = side;
         ok = ffp_renderer_aim(context, renderer, gaussians, &camera, &projector, err) &&
-             ffp_renderer_shade(context, renderer, &pattern, intensity, pixels, FFP_PIXELS_U8, 0, err) &&
+             ffp_renderer_shade(context, renderer, &pattern, intensity, pixels, sizeof pixels, FFP_PIXELS_U8,
+                                0, err) &&
              (side < 16 || ffp_write_file(out, pixels, sizeof pixels, err));
     }
     ffp_gaussians_close(gaussians);
@@ -128,7 +129,8 @@ static bool differentiate(FfpContext *context, const char *out, FfpError *err) {
     FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
     bool ok = gaussians && (renderer || (renderer = ffp_renderer_new(context, (FfpDrawing){0}, err)));
-    static float pictures[2 * 2 * 3 * SMALL_SIDE * SMALL_SIDE];
+    enum { NUMBERS = 2 * 2 * 3 * SMALL_SIDE * SMALL_SIDE };
+    static float pictures[NUMBERS];
     double intensity[3], poses[12];
     FfpPinhole cameras[2], projectors[2];
     const FfpPicture patterns[2] = {{.data = NULL},
@@ -144,8 +146,8 @@ static bool differentiate(FfpContext *context, const char *out, FfpError *err) {
                                       .patterns = patterns,
                                       .intensity = {5, 5, 5},
                                       .gradients = true};
-        ok = ffp_renderer_forward(context, renderer, &batch, pictures, NULL, err) &&
-             ffp_renderer_backward(context, renderer, pictures, NULL, &grad, err) &&
+        ok = ffp_renderer_forward(context, renderer, &batch, pictures, NUMBERS, NULL, 0, err) &&
+             ffp_renderer_backward(context, renderer, pictures, NUMBERS, NULL, 0, &grad, err) &&
              ffp_write_file(out, poses, sizeof poses, err);
     }
     ffp_gaussians_close(gaussians);
@@ -176,7 +178,7 @@ static bool map(FfpContext *context, const char *out, FfpError *err) {
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
     const char *id = capture ? ffp_capture_view_id(capture, 0) : NULL;
     const FfpMaps how = {.size = sizeof how, .views = &id, .n_views = 1, .folder = in_scratch("maps")};
-    const bool ok = gaussians && ffp_write_maps(context, gaussians, capture, &how, NULL, err) > 0 &&
+    const bool ok = gaussians && ffp_write_maps(context, gaussians, capture, &how, NULL, 0, err) > 0 &&
                     ffp_gaussians_save(context, gaussians, out, err);
     ffp_gaussians_close(gaussians);
     ffp_capture_close(capture);
