@@ -162,6 +162,40 @@ static void test_one_view_in_the_light(void **state) {
     assert_int_equal(e.odd, -1);
 }
 
+// A sound view of which a few pixels are seen, in one place or another: some shift may fit these by chance,
+// but accuses nobody.
+static void test_few_pixels(void **state) {
+    (void)state;
+    SAME_WAY_AGAIN();
+    const int active = ffp_capture_active_pattern(&capture, NULL, NULL);
+    FfpImage *mask = &capture.views[3].coverage, whole = ffp_image_copy(mask);
+    for (int x = 36; x < 60; x += 8) {
+        for (int i = 0; i < mask->width * mask->height; i++) {
+            const bool in = abs(i % mask->width - x) < 5 && abs(i / mask->width - 52) < 5;
+            mask->data[i] = in ? whole.data[i] : 0;
+        }
+        if (ffp_rig_explain(&capture, active).odd == 3) fail_msg("accused by the pixels around %d, 52", x);
+    }
+    ffp_image_free(&whole);
+}
+
+// One in 28 pixels of a view shows something else, as beside what the sphere holds: its photograph is
+// right.
+static void test_outliers(void **state) {
+    (void)state;
+    const int active = ffp_capture_active_pattern(&capture, NULL, NULL);
+    const FfpView *view = &capture.views[3];
+    for (int i = 0; i < view->camera.width * view->camera.height; i++)
+        for (int c = 0; c < 3 && ((unsigned)i * 2654435761U >> 16) % 28 == 0; c++) {
+            const real black = view->images[capture.black].data[3 * i + c],
+                       white = view->images[capture.white].data[3 * i + c];
+            real *seen = &view->images[active].data[3 * i + c];
+            *seen = *seen - black > white - *seen ? black : white;
+        }
+    ffp_findings_free(&found);
+    assert_true(ffp_rig_faults(&found, &capture));
+}
+
 // The platter turns about z: the object stays where it is put, and the devices go round it.
 static void shift(FfpView *view, double x, double y) {
     real *const poses[2] = {view->camera.pose, view->projector.pose};
@@ -376,6 +410,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_photographs_mirrored, setup, teardown),
         cmocka_unit_test_setup_teardown(test_one_view, setup, teardown),
         cmocka_unit_test_setup_teardown(test_one_view_in_the_light, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_few_pixels, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_outliers, setup, teardown),
         cmocka_unit_test_setup_teardown(test_slipped, setup, teardown),
         cmocka_unit_test_setup_teardown(test_hand_in_a_mask, setup, teardown),
         cmocka_unit_test_setup_teardown(test_projector_off, setup, teardown),
