@@ -86,6 +86,7 @@ static FfpObjectLight look_at_view(const FfpCapture *capture, const FfpView *vie
         if (w - b <= least) continue;
         out.lit++;
         out.unreached += reach && !can_be_lit(capture, view, i);
+        if (w - b <= LIT) continue;
         lit->white[lit->count] = (float)w;
         lit->share[lit->count++] = (float)(b / w);
     }

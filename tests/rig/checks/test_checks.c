@@ -313,6 +313,18 @@ static void test_light(void **state) {
     must_doubt(FFP_RULE_LITTLE_LIT, NULL);
 }
 
+// Dark photographs show what is lit all the same.
+static void test_dark(void **state) {
+    (void)state;
+    for (int v = 0; v < capture.n_views; v++)
+        for (int p = 0; p < capture.n_patterns; p++) {
+            FfpImage *image = &capture.views[v].images[p];
+            for (int i = 0; image->data && i < 3 * image->width * image->height; i++) image->data[i] *= 0.05F;
+        }
+    must_doubt(FFP_RULE_UNDEREXPOSED, NULL);
+    must_find(FFP_RULE_LIT_SHARE, NULL);
+}
+
 static void test_few_views(void **state) {
     (void)state;
     const int all = capture.n_views;
@@ -421,6 +433,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_unit, setup, teardown),
         cmocka_unit_test_setup_teardown(test_upside_down, setup, teardown),
         cmocka_unit_test_setup_teardown(test_light, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_dark, setup, teardown),
         cmocka_unit_test_setup_teardown(test_few_views, setup, teardown),
         cmocka_unit_test_setup_teardown(test_stripes, setup, teardown),
         cmocka_unit_test_setup_teardown(test_wrong_under_stripes, setup, teardown),
