@@ -13,7 +13,7 @@
 #define LIGHT_CLIPPED "share of the light pixels", 0.2
 #define TWELVE_BITS "of full scale", 4095.5 / 65535
 
-// What several rows share, right or wrong: subject, measure, limit and sentence.
+// Shared by several rows, right or wrong: subject, measure, limit and sentence.
 #define FRUSTA                                                                                               \
     "frusta", NULL, 0,                                                                                       \
         "the camera sees {x:.0%} of the object's sphere, the pattern covers {y:.0%} (worst views)"
