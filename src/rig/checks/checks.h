@@ -1,4 +1,5 @@
-// Checks for faults of a capture.
+// Checks for faults of a capture: what measure.h measures is judged by the rules of the findings. faults.c
+// has what calls refuse, checks.c the page of `info`, hypotheses.h the mistakes that are tried.
 #ifndef FFP_RIG_CHECKS_H
 #define FFP_RIG_CHECKS_H
 

@@ -5,7 +5,7 @@
 #include "core/capture/capture.h"
 #include "core/image/lookup.h"
 
-// Light on the object, in linear values. Of a view, or the sums over all.
+// Light on the object, in linear values (light.c). Of a view, or the sums over all.
 typedef struct FfpObjectLight {
     double object, lit;  // pixels: of the object; of these, to which white adds something in a channel,
     double brightened;   // to which it adds something in the mean,
@@ -29,7 +29,7 @@ double ffp_rig_unreached(const FfpCapture *capture);
 // hardly any.
 bool ffp_rig_is_darker(const FfpView *view, int a, int b);
 
-// The parts of the object's sphere that the devices see.
+// The parts of the object's sphere that the devices see (devices.c).
 typedef struct FfpFrusta {
     double camera, projector; // share of the sphere's surface within the device's field, in the worst view
     bool ahead;               // true if its centre lies before all of them
@@ -65,8 +65,9 @@ double ffp_rig_widest_gap(const FfpCapture *capture);
 // degrees; 0: all stand in one place.
 double ffp_rig_widest_step(const FfpCapture *capture);
 
-// Share of the object's pixels through which no point of its sphere lies in all views' silhouettes (a pixel's
-// width is forgiven; what a view does not show contradicts nothing). 0 with poses and masks that fit.
+// Silhouettes (silhouettes.c). Share of the object's pixels through which no point of its sphere lies in all
+// views' silhouettes (a pixel's width is forgiven; what a view does not show contradicts nothing). 0 with
+// poses and masks that fit.
 double ffp_rig_silhouette_misfit(const FfpCapture *capture);
 // The same, or INFINITY as soon as it is known not to be below `enough`, which takes less time.
 double ffp_rig_misfit_below(const FfpCapture *capture, double enough);
@@ -87,7 +88,7 @@ void ffp_rig_silhouettes_free(FfpSilhouettes *silhouettes);
 
 // Of what chance explains: more, and the pattern explains nothing.
 #define FFP_RIG_CHANCE_MAX 0.75
-// How the pattern explains the active pictures of a capture. Errors are root mean squares of
+// How the pattern explains the active pictures of a capture (explain.c). Errors are root mean squares of
 // (C - B) / (W - B) - pattern, per channel in linear values, with each pixel's best depth in the object's
 // sphere, or in views with correspondences the depth that these give; they are small when poses, lenses,
 // sizes and pattern file are right, and near `chance` when they are not.

@@ -1,5 +1,6 @@
-// The faults: one row for each, with its words. The rooms that measure name a row and give it numbers and
-// names.
+// The rules: one row for each finding that there is, with its code, severity, limit and words. Rooms that
+// measure (checks, masks, import, calibrations) name a row and give it numbers and names; telling is
+// tell.h's.
 #ifndef FFP_RIG_FINDINGS_RULES_H
 #define FFP_RIG_FINDINGS_RULES_H
 

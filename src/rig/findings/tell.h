@@ -35,8 +35,7 @@ FfpFinding *ffp_findings_packed(const FfpFindings *findings);
 // Passes them on to the function of the current call's context, if it has one. Otherwise: false.
 bool ffp_findings_pass(const FfpFindings *findings);
 // The same, and without such a function the call's log gets the line of each that is not ok. A fault becomes
-// the error, and the function returns false. `place`: where the
-// error is, if the fault names no view.
+// the error, and the function returns false. `place`: where the error is, if the fault names no view.
 bool ffp_findings_tell(const FfpFindings *findings, const char *place, FfpError *err);
 
 // The error of a file by a rule's words: "TEXT: ADVICE (WHERE)". Returns false.

@@ -1,4 +1,4 @@
-// What a program meets that was compiled with other headers than the library.
+// Programs that were compiled with other headers than the library.
 #include <stdio.h>
 #include <string.h>
 #include "initialised.h"
