@@ -57,6 +57,10 @@ static int run(void *data) {
     return ok ? FFP_EXIT_OK : ffp_cli_fail(&err);
 }
 
+static void set_defaults(void *data) {
+    ((Arguments *)data)->options = ffp_alignment_defaults();
+}
+
 static const FfpOption options[] = {
     {.name = "output",
      .letter = 'o',
@@ -121,5 +125,6 @@ const FfpCommand ffp_cli_align = {
                                       .command = "ffprocams align now -g vase.ply -o now-aligned"},
                                      {0}},
     .size = sizeof(Arguments),
+    .set_defaults = set_defaults,
     .run = run,
 };
