@@ -12,6 +12,7 @@
 
 // Declares `type function(void)`: options with their defaults. It is compiled into the program, and returns
 // as large a struct as the program knows; its part in the library is function_into(options, size).
+// NOLINTBEGIN(bugprone-macro-parentheses): a type
 #define FFP_DEFAULTS(type, function)                                                                         \
     FFP_API void function##_into(type *options, size_t size);                                                \
     static inline type function(void) {                                                                      \
@@ -19,5 +20,6 @@
         function##_into(&options, sizeof options);                                                           \
         return options;                                                                                      \
     }
+// NOLINTEND(bugprone-macro-parentheses)
 
 #endif

@@ -44,6 +44,24 @@ static bool closed(FfpGaussians *made) {
     return made != NULL;
 }
 
+static bool fit_field(const FfpRefinement *options) {
+    FfpNeuralField *field = ffp_fit_neural_field(cancelled, capture, options, NULL, NULL, &err);
+    ffp_neural_field_close(field); // as far as it came
+    return field != NULL;
+}
+
+static bool prepare(const FfpReconstruction *options) {
+    FfpPrepared *prepared = ffp_prepare(cancelled, capture, options, &err);
+    ffp_prepared_close(prepared);
+    return prepared != NULL;
+}
+
+static bool compensate(const FfpCompensation *options) {
+    FfpImages *images = ffp_compensate_images(cancelled, gaussians, capture, options, NULL, &err);
+    ffp_images_close(images);
+    return images != NULL;
+}
+
 #define TAKES(function, type, defaults, call)                                                                \
     static bool call_##function(const void *given) {                                                         \
         const type *options = given;                                                                         \
@@ -55,18 +73,16 @@ static bool closed(FfpGaussians *made) {
 TAKES(context, FfpContextSettings, ffp_context_defaults, new_context(options))
 TAKES(reconstruct, FfpReconstruction, ffp_reconstruction_defaults,
       closed(ffp_reconstruct(cancelled, capture, options, NULL, &err)))
-TAKES(prepare, FfpReconstruction, ffp_reconstruction_defaults, ffp_prepare(cancelled, capture, options, &err))
+TAKES(prepare, FfpReconstruction, ffp_reconstruction_defaults, prepare(options))
 TAKES(refine, FfpRefinement, ffp_refinement_defaults,
       ffp_refine_gaussians(cancelled, gaussians, capture, options, NULL, &err))
 TAKES(scratch, FfpRefinement, ffp_refinement_defaults,
       closed(ffp_fit_from_scratch(cancelled, capture, NULL, options, NULL, &err)))
-TAKES(field, FfpRefinement, ffp_refinement_defaults,
-      ffp_fit_neural_field(cancelled, capture, options, NULL, NULL, &err))
+TAKES(field, FfpRefinement, ffp_refinement_defaults, fit_field(options))
 TAKES(render, FfpPictures, ffp_pictures_defaults,
       ffp_render_pictures(cancelled, gaussians, capture, options, &err) >= 0)
 TAKES(page, FfpPage, ffp_page_defaults, ffp_write_page(cancelled, gaussians, capture, options, NULL, &err))
-TAKES(images, FfpCompensation, ffp_compensation_defaults,
-      ffp_compensate_images(cancelled, gaussians, capture, options, NULL, &err))
+TAKES(images, FfpCompensation, ffp_compensation_defaults, compensate(options))
 TAKES(compensate, FfpCompensation, ffp_compensation_defaults,
       ffp_compensate(cancelled, gaussians, capture, options, NULL, &err))
 TAKES(maps, FfpMaps, ffp_maps_defaults,
