@@ -55,7 +55,7 @@ for block in blocks/*; do
         ran=$((ran + 1))
         ;;
     *.c)
-        cc -std=c11 "$block" -o example -I "$source/include" "$library" -Wl,-rpath,"$(dirname "$library")"
+        cc -std=c11 "$block" -o example -I "$source/include" -I "$(dirname "$library")/include" "$library" -Wl,-rpath,"$(dirname "$library")"
         ./example || fail "its C program fails"
         echo "the C program"
         ;;
