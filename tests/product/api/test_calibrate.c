@@ -22,6 +22,7 @@ static void keep_note(void *user, FfpLogLevel level, const char *text) {
 static void keep_finding(void *user, const FfpFinding *finding) {
     keep_note(user, FFP_LOG_NOTE, finding->code);
     keep_note(user, FFP_LOG_NOTE, finding->text);
+    if (finding->advice) keep_note(user, FFP_LOG_NOTE, finding->advice);
 }
 
 static FfpContext *listening(void) {
@@ -258,19 +259,27 @@ static const Fault faults[] = {
      0,
      FFP_RULE_LATE_FROM,
      {"'shot_21.png'"}},
-    {"for f in bad/*; do : > ${f%.png}.CR2; done", 0, 0, FFP_RULE_RAW_AND_JPEG, {"shot_1.CR2"}},
-    {"for f in bad/*; do cp $f ${f%.png}.jpg; done", 0, 0, FFP_RULE_RAW_AND_JPEG, {"shot_1.jpg"}},
+    {"for f in bad/*; do : > ${f%.png}.CR2; done",
+     0,
+     0,
+     FFP_RULE_RAW_AND_JPEG,
+     {"34 photographs", "shot_1.CR2"}},
+    {"for f in bad/*; do cp $f ${f%.png}.jpg; done",
+     0,
+     0,
+     FFP_RULE_RAW_AND_JPEG,
+     {"34 photographs", "shot_1.jpg"}},
     {"for f in bad/*; do cp ../shots/pose_2/shot_1.png $f; done",
      0,
      0,
      0,
      {"black and white cannot be told apart", "shot_1.png"}},
-    {"for f in bad/*; do cp ../full.png $f; done", 0, 0, FFP_RULE_PLAIN_CLIPPED, {"'shot_2.png'"}},
+    {"for f in bad/*; do cp ../full.png $f; done", 0, 0, FFP_RULE_PLAIN_CLIPPED, {"100 % of 'shot_2.png'"}},
     {"cp ../twelve_1.png " SHOT(1) " && cp ../twelve_2.png " SHOT(2),
      0,
      0,
      FFP_RULE_CODES_FEW_BITS,
-     {"'shot_2.png'"}},
+     {"no value of 'shot_2.png'", "12 bits in files of 16"}},
     // Numbers.
     {SWAP(11, 12), 0, 0, 0, {"shot_11.png and shot_12.png", "swapped, a code and its inverse"}},
     {SWAP(27, 29) " && " SWAP(28, 30), 0, 0, 0, {"pairs of shot_27.png and shot_29.png", "swapped"}},
@@ -480,6 +489,7 @@ static void a_bad_one_is_left_out(void **state) {
     ffp_context_free(context);
     assert_true(stats.attitudes == 4 && stats.used == 3);
     assert_non_null(strstr(notes, "attitudes-left-out\nbad "));
+    assert_non_null(strstr(notes, "33 photographs"));
     assert_non_null(strstr(notes, "lens-terms-")); // three attitudes are few for five lens terms
 }
 
@@ -516,6 +526,7 @@ static void everything_that_was_shown(void **state) {
     // The terms that are open were tried on boards held out.
     printf("%s", notes);
     assert_non_null(strstr(notes, "lens-terms-to-fix\n"));
+    assert_non_null(strstr(notes, "held out are then off by 0."));
     snprintf(command, sizeof command, "rm '%s'/pose_[1-4]/shot_[89].png", folder);
     assert_int_equal(system(command), 0);
     FfpRigCalibration o = settings_of(&folder, 1);
