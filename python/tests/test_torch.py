@@ -26,8 +26,9 @@ def devices(capture: ffprocams.Capture) -> tuple[list[ffprocams.Pinhole], list[f
 
 
 @pytest.fixture(scope="module")
-def few(gaussians: ffprocams.Gaussians) -> layer.Parts:
-    """So few of the sample's splats that hardly any lie before each other: where they change places, a picture jumps."""
+def few(capture: ffprocams.Capture) -> layer.Parts:
+    """So few of the start's splats that hardly any lie before each other: where they change places, a picture jumps."""
+    gaussians = ffprocams.reconstruct(capture, "none", polish=0)
     parts = layer.Parts.of(gaussians)
     chosen = torch.randperm(len(gaussians), generator=torch.Generator().manual_seed(1))[:40]
     parts = layer.Parts(*(t[chosen].contiguous() for t in parts))
