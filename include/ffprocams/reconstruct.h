@@ -46,7 +46,7 @@ typedef struct FfpReconstruction {
     const char *const *patterns;
     int n_patterns;
     // Gradient steps, one view each, that fit the prediction to the photographs it was made from, under
-    // black, white and the patterns. 0: the forward pass alone. Or FFP_POLISH_AUTO.
+    // black, white and the patterns. 0: the network alone, with its looks. Or FFP_POLISH_AUTO.
     int64_t polish;
     // Standard deviation of the noise to be filtered from the photographs first, in linear values from 0 to
     // 1. 0: no filtering. Or FFP_NOISE_ESTIMATED: estimated from the photographs.
