@@ -30,8 +30,8 @@ typedef struct FfpHead {
     const FfpPrepared *prepared;      // on a device all of these come from here; NULL on the CPU
     int64_t count;
     int n_used;
-    int looks;       // that were taken
-    bool looks_only; // as FfpRun
+    int looks;        // that were taken
+    bool looks_only;  // as FfpRun
     int *slot, *used; // [T] a token's row among those that a Gaussian needs, or -1; [T] the reverse
     // Scratch:
     real *tokens;                                                   // [T, dim] those that are needed

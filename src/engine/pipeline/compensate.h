@@ -8,8 +8,8 @@
 #include "core/image/raw.h"
 #include "ffprocams.h" // options and results, types alone (reconstruct.h says why)
 
-// The work of ffp_compensate_images (ffprocams/render.h). `pictures`: the options' own, [n_targets], or NULL where
-// targets are files. `stats` may be NULL.
+// The work of ffp_compensate_images (ffprocams/render.h). `pictures`: the options' own, [n_targets], or NULL
+// where targets are files. `stats` may be NULL.
 FfpImages *ffp_compensation_run(const FfpGaussians *gaussians, const FfpCapture *capture,
                                 const FfpCompensation *options, const FfpRaw *pictures,
                                 FfpCompensationStats *stats, FfpError *err);

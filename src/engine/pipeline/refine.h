@@ -8,8 +8,8 @@
 
 #define FFP_REFINE_SECONDS 30 // where no limit is given
 
-// The work of ffp_refine_gaussians (ffprocams/reconstruct.h), on a copy: a failure leaves the Gaussians unchanged, to the
-// bit. `stats` may be NULL.
+// The work of ffp_refine_gaussians (ffprocams/reconstruct.h), on a copy: a failure leaves the Gaussians
+// unchanged, to the bit. `stats` may be NULL.
 bool ffp_refinement_run(FfpGaussians *gaussians, const FfpCapture *capture, const FfpRefinement *options,
                         FfpRefinementStats *stats, FfpError *err);
 

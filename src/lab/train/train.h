@@ -238,8 +238,8 @@ double ffp_learning_rate(const FfpTrainConfig *config,
 // * clip, only the step count changes (*skipped).
 double ffp_adam_update(FfpAdam *adam, FfpModel *model, const real *grad, const FfpTrainConfig *config,
                        bool *skipped);
-// Its two halves: the sum of squares of the gradients of its weights that learn; and the update, given the norm of all. `grad`
-// is a sum over config->batch scenes, of which the norm is that of the mean.
+// Its two halves: the sum of squares of the gradients of its weights that learn; and the update, given the
+// norm of all. `grad` is a sum over config->batch scenes, of which the norm is that of the mean.
 double ffp_adam_squares(const FfpAdam *adam, const real *grad);
 void ffp_adam_move_all(FfpAdam *adam, FfpModel *model, const real *grad, const FfpTrainConfig *config,
                        double norm, bool *skipped);

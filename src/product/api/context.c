@@ -36,7 +36,9 @@ static bool check(const FfpContextSettings *settings, FfpError *err) {
 
 FfpContext *ffp_context_new(const FfpContextSettings *settings, FfpError *err) {
     FfpContextSettings own = ffp_context_defaults();
-    if (!ffp_need(settings, "settings", err) || !ffp_take_options(&own, settings, "FfpContextSettings", err) || !check(&own, err)) return NULL;
+    if (!ffp_need(settings, "settings", err) ||
+        !ffp_take_options(&own, settings, "FfpContextSettings", err) || !check(&own, err))
+        return NULL;
     FfpContext *context = calloc(1, sizeof *context);
     if (!context) {
         ffp_fail(err, FFP_ERROR_MEMORY, NULL, "out of memory");

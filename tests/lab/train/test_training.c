@@ -307,7 +307,8 @@ static void test_looks_only(void **state) {
     static const char run[] =
         "{\"model\": {\"preset\": \"tiny\", \"looks\": 1}, \"resolution\": 64, \"pool\": 1, \"views\": 4, "
         "\"targets\": 1, \"lollipops\": 2, \"pattern_side\": 200, \"samples\": 1, \"ambient_rays\": 1, "
-        "\"supervised_inputs\": 1, \"supervised_targets\": 1, \"warmup_steps\": 0, \"clip\": 1e6, \"ema\": 0, "
+        "\"supervised_inputs\": 1, \"supervised_targets\": 1, \"warmup_steps\": 0, \"clip\": 1e6, \"ema\": "
+        "0, "
         "\"validate_every\": 0, \"steps\": 1, \"learning_rate\": ";
     char text[sizeof run + 64];
     snprintf(text, sizeof text, "%s0}", run);
@@ -323,8 +324,8 @@ static void test_looks_only(void **state) {
         const FfpModel *same = look ? all : before;
         assert_memory_equal(looks->values + p->offset, same->values + p->offset,
                             (size_t)p->count * sizeof(real));
-        const bool differs = memcmp(all->values + p->offset, before->values + p->offset,
-                                    (size_t)p->count * sizeof(real)) != 0;
+        const bool differs =
+            memcmp(all->values + p->offset, before->values + p->offset, (size_t)p->count * sizeof(real)) != 0;
         *(look ? &moved : &kept) += differs;
     }
     assert_true(moved > 0 && kept > 0);
