@@ -353,7 +353,9 @@ bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *cap
                        const FfpInitialisation *start, const FfpPixelContext *context, int active,
                        FfpError *err) {
     FfpActivations *at = run->activations;
-    const FfpModelConfig *config = &model->config;
+    FfpModelConfig taken = model->config; // without the looks that are left out
+    taken.looks = ffp_smaller(run->looks, taken.looks);
+    const FfpModelConfig *config = &taken;
     run->gaussians = (FfpGaussians){0};
     if (ffp_device())
         return prepare_there(at, config, capture, start, context, active, err) &&
@@ -374,9 +376,7 @@ bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *cap
     at->head.context = start ? &context->start : NULL;
     at->head.pixel = run->pixel;
     ffp_look_photographs_free(at->photographs);
-    at->photographs = ffp_smaller(run->looks, config->looks) > 0
-                          ? ffp_look_photographs_new(capture, source.views, active)
-                          : NULL;
+    at->photographs = config->looks ? ffp_look_photographs_new(capture, source.views, active) : NULL;
     ffp_lap(&last, &forward_times(run)->tokenise);
     return pass_forward(run, model, capture->name, err);
 }
