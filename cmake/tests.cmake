@@ -75,11 +75,12 @@ if(NOT FFPROCAMS_SANITIZE)
   add_test(NAME readme COMMAND ${PROJECT_SOURCE_DIR}/tests/product/cli/readme.sh $<TARGET_FILE:ffprocams> $<TARGET_FILE:ffprocams_shared>)
 endif()
 
-# The documents: links that exist, plain English.
+# The documents: links that exist, plain English, figures as measured.
 find_program(FFP_PYTHON python3)
 if(FFP_PYTHON)
   add_test(NAME links COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/script/test-links)
   add_test(NAME words COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/script/test-words)
+  add_test(NAME measured COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/script/test_measure.py)
 endif()
 
 # script/gpu-run on the emulation: the program whose --device cuda it is, and the script's slices, tiny.
