@@ -12,6 +12,7 @@ precision highp sampler2D;
 #define LIT 1.0    // in the maps of a correction: a pixel that the camera sees lit
 #define HIDDEN 0.5 // ... one of the object that it does not
 #define NOWHERE 65535u
+#define COUNT_SIDE 64.0
 
 // Targets are drawn with row 0 on top, as pictures lie in memory: gl_FragCoord is the pixel position.
 
@@ -28,3 +29,13 @@ float srgb_decode(float encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);
 }
 vec3 srgb_decode(vec3 c) { return vec3(srgb_decode(c.r), srgb_decode(c.g), srgb_decode(c.b)); }
+
+// ffp_image_sample at a share of the picture: bilinear, held at the edges.
+vec4 linear_at(sampler2D picture, vec2 share) {
+  ivec2 size = textureSize(picture, 0);
+  vec2 at = clamp(share * vec2(size) - 0.5, vec2(0.0), vec2(size - 1));
+  ivec2 first = ivec2(at), next = min(first + 1, size - 1);
+  vec2 w = at - vec2(first);
+  return mix(mix(texelFetch(picture, first, 0), texelFetch(picture, ivec2(next.x, first.y), 0), w.x),
+             mix(texelFetch(picture, ivec2(first.x, next.y), 0), texelFetch(picture, next, 0), w.x), w.y);
+}

@@ -1,22 +1,67 @@
 'use strict';
-// The pattern that makes a camera see the projector's content on the object, in closed form (engine/apply/closed.c),
-// for each projector separately: 'colours' asks for the content's light times a gain, 'paint' for the look of
-// the object between dark and full light. The Gaussians are drawn at the pattern's own pixels, as the projector
-// sees them, and each of these asks the target for what the camera should see of its point.
+// The pattern that makes a camera see the projector's content on the object, in closed form (engine/apply/closed.c):
+// 'colours' asks for the content's light times a gain, 'paint' for the look of the object between dark and full light.
+// The Gaussians are drawn at the pattern's own pixels, as the projector sees them, and each of these asks the target for
+// what the camera should see of its point. Several corrected projectors share the light where they overlap, by feathers.
 
 const TILE = [1024, 512];                  // pixels drawn at once
 const COARSE = 4;                          // pixels of the pattern a side for one of the maps, while things move
 const TARGET_MAX = 2048, SEEN_SIDE = 1024; // longer sides, pixels: of the target, of the map of what the camera sees
 const HOLE_MAX = 64;                       // pixels of the pattern over which others lend their levels
+const FEATHER_SIDE = 512, FEATHER_SHARE = 20; // longer side of a feather; as many times its width, of engine/apply/surface.c
+const COUNT_SIDE = 64;                     // of the map in which projectors that overlap are counted
+
+// Each pixel's nearest one that is LIT in a texture, within the limits of near.frag; `kept` is a target to use again.
+function findNear(graphics, texture, {width, height}, limits, kept) {
+  const {gl} = graphics;
+  let near = graphics.fit(kept, width, height, [gl.RG16UI]), spare = graphics.target(width, height, [gl.RG16UI]);
+  const pass = (u_step) => {
+    graphics.fill(spare, ['near.frag'], {u_response: texture, u_near: near.textures[0], u_step, u_limits: limits});
+    [near, spare] = [spare, near];
+  };
+  pass(0);
+  for (let step = 2 ** Math.floor(Math.log2(Math.max(...limits))); step >= 1; step /= 2) pass(step);
+  graphics.free(spare);
+  return near;
+}
+
+// A projector's share where several light the same place, not yet divided by the sum of all: ffp_lit_surface_feather.
+// Kept while the projector stays where it is.
+class Feather {
+  constructor(renderer) { this.renderer = renderer; }
+
+  draw(grid) {
+    const key = JSON.stringify(grid);
+    if (key === this.key) return;
+    this.key = '';
+    const {renderer} = this, {graphics, sumFormat} = renderer, {gl} = graphics, device = shadowDevice(grid, FEATHER_SIDE), depth = renderer.centreDepth(device);
+    const {width, height} = device, reach = Math.max(width, height) / FEATHER_SHARE;
+    const sums = graphics.target(width, height, [sumFormat, sumFormat, sumFormat, sumFormat]), [u_g0, u_g1, u_g2, u_g3] = sums.textures;
+    renderer.rasterise(sums, device, depth, 'splats.frag');
+    const edges = graphics.target(width, height, [gl.RGBA16F]);
+    graphics.fill(edges, ['gbuffer.glsl', 'edges.frag'], {u_g0, u_g1, u_g2, u_g3, u_depth: depth, ...deviceUniforms('camera', device)});
+    const near = findNear(graphics, edges.textures[0], device, [reach + 1, reach + 1]);
+    this.target = graphics.fit(this.target, width, height, [gl.RGBA16F]);
+    graphics.fill(this.target, ['feather.frag'], {u_edges: edges.textures[0], u_near: near.textures[0], u_reach: reach});
+    for (const target of [sums, edges, near]) graphics.free(target);
+    this.key = key;
+  }
+
+  get texture() { return this.target.textures[0]; }
+  free() { this.renderer.graphics.free(this.target); }
+}
 
 // The points that a projector's pixels light, and where one camera sees them. Kept while neither moves.
 class CorrectionMaps {
   constructor(renderer) { this.renderer = renderer; }
 
-  // `grid`: the projector, a pixel for each of the maps, which is `times` of the pattern's a side.
-  draw(grid, camera, times) {
-    const key = JSON.stringify([grid, camera]);
-    if (key === this.key) return;
+  keyOf(grid, camera, others) { return JSON.stringify([grid, camera, others.map(({device, stops}) => [device, stops])]); }
+  holds(grid, camera, others) { return this.key === this.keyOf(grid, camera, others); }
+
+  // `grid`: the projector, a pixel for each of the maps, which is `times` of the pattern's a side; `others`: the projectors
+  // that share its light.
+  draw(grid, camera, times, others) {
+    if (this.holds(grid, camera, others)) return;
     this.key = ''; // until all is drawn
     const {renderer} = this, {graphics, sumFormat} = renderer, {gl} = graphics;
     const fineness = (d) => d.fx / Math.max(renderer.centreDepth(d), 0.1 * (renderer.scene.radius || 1));
@@ -26,44 +71,52 @@ class CorrectionMaps {
     this.seen = graphics.fit(this.seen, seen.width, seen.height, [sumFormat]);
     renderer.rasterise(this.seen, seen, renderer.centreDepth(camera), 'shadow.frag');
     this.maps = graphics.fit(this.maps, grid.width, grid.height, [gl.RGBA16F, gl.RGBA16F, gl.RG32F]);
-    this.drawTiles(grid, camera);
-    this.findNear(HOLE_MAX / times, clamp(wider, 1, HOLE_MAX) / times);
-    this.key = key;
+    if (others.length) this.shares = graphics.fit(this.shares, grid.width, grid.height, [gl.RGBA16F, gl.RGBA16F]);
+    else graphics.free(this.shares), this.shares = null;
+    this.drawTiles(grid, camera, others);
+    this.near = findNear(graphics, this.maps.textures[0], grid, [HOLE_MAX / times, clamp(wider, 1, HOLE_MAX) / times], this.near);
+    this.most = others.length ? this.countMost() : 1;
+    this.key = this.keyOf(grid, camera, others);
   }
 
-  drawTiles(grid, camera) {
+  drawTiles(grid, camera, others) {
     const {renderer} = this, {graphics, sumFormat, settings} = renderer, {gl} = graphics, depth = renderer.centreDepth(grid);
     const sums = graphics.target(...TILE, [sumFormat, sumFormat, sumFormat, sumFormat]), [u_g0, u_g1, u_g2, u_g3] = sums.textures;
+    if (this.shares) graphics.clear(this.shares);
     for (let y = 0; y < grid.height; y += TILE[1])
       for (let x = 0; x < grid.width; x += TILE[0]) {
         renderer.rasterise(sums, grid, depth, 'splats.frag', [x, y]);
+        const seen = {u_g0, u_g1, u_g2, u_g3, u_depth: depth, u_corner: [x, y], ...deviceUniforms('camera', grid)};
         gl.enable(gl.SCISSOR_TEST);
         gl.scissor(x, y, ...TILE);
         graphics.fill(this.maps, ['gbuffer.glsl', 'light.glsl', 'response.frag'], {
-          u_g0, u_g1, u_g2, u_g3, u_depth: depth, u_corner: [x, y], ...deviceUniforms('camera', grid), ...deviceUniforms('projector', this.target),
+          ...seen, ...deviceUniforms('projector', this.target),
           u_shadow: this.seen.textures[0], u_shadow_depth: renderer.centreDepth(camera), u_shadow_bias: settings.shadow_bias,
           u_shadows: true, u_footprint: false, u_intensity: renderer.scene.intensity,
         });
+        gl.enable(gl.BLEND);
+        gl.blendFunc(gl.ONE, gl.ONE);
+        for (const other of others)
+          graphics.fill(this.shares, ['gbuffer.glsl', 'light.glsl', 'share.frag'],
+                        {...renderer.lightUniforms(other, grid), ...seen, u_footprint: false, u_watcher: positionOf(camera.pose), u_feather: other.feather.texture});
+        gl.disable(gl.BLEND);
         gl.disable(gl.SCISSOR_TEST);
       }
     graphics.free(sums);
   }
 
-  // Holes in the object and its outline take the level of the nearest pixel that has one.
-  findNear(within, beyond) {
-    const {graphics} = this.renderer, {gl} = graphics, {width, height} = this.maps;
-    let spare = graphics.target(width, height, [gl.RG16UI]);
-    this.near = graphics.fit(this.near, width, height, [gl.RG16UI]);
-    const pass = (u_step) => {
-      graphics.fill(spare, ['near.frag'], {u_response: this.maps.textures[0], u_near: this.near.textures[0], u_step, u_limits: [within, beyond]});
-      [this.near, spare] = [spare, this.near];
-    };
-    pass(0);
-    for (let step = 2 ** Math.floor(Math.log2(within)); step >= 1; step /= 2) pass(step);
-    graphics.free(spare);
+  // The most projectors that light one place, among those that at least a hundredth of the lit pixels share.
+  countMost() {
+    const {graphics} = this.renderer, {gl} = graphics, target = graphics.target(COUNT_SIDE, COUNT_SIDE, [gl.RGBA16F]), counts = [];
+    graphics.fill(target, ['count.frag'], {u_response: this.maps.textures[0], u_whites: this.shares.textures[1]});
+    const texels = graphics.readFloats(target);
+    for (let i = 0; i < texels.length; i += 4) if (texels[i]) counts[texels[i]] = (counts[texels[i]] || 0) + 1;
+    graphics.free(target);
+    const lit = counts.reduce((sum, n) => sum + (n || 0), 0);
+    return Math.max(1, counts.findLastIndex((n) => n && 100 * n >= lit));
   }
 
-  free() { for (const target of [this.seen, this.maps, this.near]) this.renderer.graphics.free(target); }
+  free() { for (const target of [this.seen, this.maps, this.near, this.shares]) this.renderer.graphics.free(target); }
 }
 
 class Compensator {
@@ -92,32 +145,44 @@ class Compensator {
   }
 
   // Maps at the pattern's pixels, or coarse ones in their place while things move.
-  mapsOf(projector, camera, coarse) {
+  mapsOf(projector, camera, coarse, others) {
     const {grid} = projector, share = (n) => Math.ceil(n / COARSE), {maps} = projector;
     for (const name of ['fine', 'coarse']) maps[name] = maps[name] || new CorrectionMaps(this.renderer);
-    if (coarse && maps.fine.key !== JSON.stringify([grid, camera])) {
-      maps.coarse.draw(scaleDevice(grid, share(grid.width), share(grid.height)), camera, COARSE);
+    if (coarse && !maps.fine.holds(grid, camera, others)) {
+      maps.coarse.draw(scaleDevice(grid, share(grid.width), share(grid.height)), camera, COARSE, others);
       return maps.coarse;
     }
-    maps.fine.draw(grid, camera, 1);
+    maps.fine.draw(grid, camera, 1, others);
     return maps.fine;
   }
 
-  // ffp_procams_closed_form: fills the projector's pattern. Returns whether it is only a coarse one.
-  solve(projector, camera, coarse) {
-    const {graphics} = this.renderer, {gl} = graphics, {pattern} = projector, made = this.mapsOf(projector, camera, coarse);
-    const [u_response, u_ambient, u_place] = made.maps.textures, framebuffer = gl.createFramebuffer();
+  drawFeathers(projectors) {
+    for (const projector of projectors) {
+      projector.feather = projector.feather || new Feather(this.renderer);
+      projector.feather.draw(projector.grid);
+      this.renderer.drawShadow(projector);
+    }
+  }
+
+  // ffp_procams_closed_form: fills the projector's pattern. `others` share its light; dark projectors give the share `black`
+  // of their white, of which up to `most` add up. Returns whether it is only a coarse one.
+  solve(projector, camera, coarse, {others = [], black = 0, most = 1} = {}) {
+    if (others.length) this.drawFeathers([projector, ...others]);
+    const {graphics} = this.renderer, {gl} = graphics, {pattern} = projector, made = this.mapsOf(projector, camera, coarse, others);
+    const [u_response, u_ambient, u_place] = made.maps.textures, framebuffer = gl.createFramebuffer(), [u_lights, u_whites] = made.shares ? made.shares.textures : [null, null];
     this.drawTarget(projector, made.target);
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, pattern.texture, 0);
     graphics.fill({framebuffer, width: pattern.width, height: pattern.height}, ['pattern.frag'], {
       u_response, u_ambient, u_place, u_near: made.near.textures[0], u_target: this.target.texture, u_paint: this.paintTexture(projector),
+      u_lights, u_whites, u_feather: made.shares ? projector.feather.texture : null, u_shared: !!made.shares, u_dark: [black, Math.min(1, black * most)],
       u_share: [made.maps.width / pattern.width, made.maps.height / pattern.height],
       u_look: projector.correction === 'paint', u_gain: 2 ** projector.gain, u_brightness: projector.brightness,
     });
     gl.deleteFramebuffer(framebuffer);
     gl.bindTexture(gl.TEXTURE_2D, pattern.texture);
     gl.generateMipmap(gl.TEXTURE_2D);
+    projector.most = made.most;
     return made === projector.maps.coarse;
   }
 }

@@ -3,6 +3,7 @@
 // the stage's file, and what the browser keeps.
 
 const STAGE_FORMAT = 'ffprocams stage', PROJECTORS_MAX = 16, CUES_MAX = 200, CORRECTIONS = ['none', 'paint', 'colours'], KEEP_AFTER = 1500; // ms
+const BLACK_MOST = 0.1;
 
 // Pictures and films that were brought in, the webcam and screens: each keeps its tile, and its file.
 class Library {
@@ -89,18 +90,17 @@ function paintOf(projector) {
 function stateOf(app) {
   const projectors = app.projectors.map((p) => ({
     device: p.device, on: p.on, stops: p.stops, correction: p.correction, watcher: p.watcher, gain: p.gain,
-    layers: describeLayers(app, p.layers), at: p.at, paint: paintOf(p),
+    layers: describeLayers(app, p.layers), at: p.at, paint: paintOf(p), window: p.window.where,
   }));
   return {
-    projectors, selected: app.projectors.indexOf(app.projector), exposure: app.exposure, ambient: app.ambient,
+    projectors, selected: app.projectors.indexOf(app.projector), exposure: app.exposure, ambient: app.ambient, black: app.black,
     cues: structuredClone(app.show.cues), view: app.scene.views.indexOf(app.at), pose: app.pose, target: app.target,
-    window: app.window.where,
   };
 }
 
 // Two states are the same to undo if they differ in the view and in what is selected only.
 function sameWork(a, b) {
-  const work = (s) => JSON.stringify([s.projectors.map((p) => ({...p, paint: null, at: 0})), s.exposure, s.ambient, s.cues]);
+  const work = (s) => JSON.stringify([s.projectors.map((p) => ({...p, paint: null, at: 0, window: null})), s.exposure, s.ambient, s.black, s.cues]);
   return work(a) === work(b) && a.projectors.every((p, i) => p.paint === b.projectors[i].paint);
 }
 
@@ -127,17 +127,16 @@ async function applyState(app, state, withView) {
     }
     p.dirty = true;
   });
-  app.exposure = state.exposure, app.ambient = state.ambient;
+  app.exposure = state.exposure, app.ambient = state.ambient, app.black = state.black;
   app.show.cues = structuredClone(state.cues);
   app.show.at = Math.min(app.show.at, app.show.cues.length - 1);
   app.select(app.projectors[clamp(state.selected, 0, app.projectors.length - 1)]);
   if (withView && app.scene.views[state.view]) {
     app.jump(app.scene.views[state.view], false);
     app.pose = state.pose, app.target = state.target;
-    app.window.where = state.window || app.window.where;
+    state.projectors.forEach(({window: where}, i) => { if (where) app.projectors[i].window.where = where; });
   }
   for (const what of ['content', 'device', 'settings', 'cues']) app.changed(what);
-  app.patternsChanged = true;
   app.invalidate();
 }
 
@@ -272,13 +271,14 @@ async function checkState(app, plain) {
       gain: number('projectors: gain', p.gain, -20, 20), layers: checkLayers(p), at: number('projectors: at', p.at || 0, 0, LAYERS_MAX),
       correction: oneOf('projectors: correction', p.correction, CORRECTIONS),
       watcher: app.scene.views[p.watcher] ? p.watcher : 'now', paint: await checkPaint(p.paint, app.projectors[0].paint),
+      window: p.window ? checkWindow(p.window) : null,
     });
   if (!projectors.length) throw new Message('The stage has no projectors.');
   return {
     projectors, selected: number('selected', plain.selected, 0, PROJECTORS_MAX), exposure: number('exposure', plain.exposure, -20, 20),
-    ambient: plain.ambient !== false, cues: list('cues', plain.cues || [], CUES_MAX).map(checkCue),
+    ambient: plain.ambient !== false, black: number('black', plain.black || 0, 0, BLACK_MOST), cues: list('cues', plain.cues || [], CUES_MAX).map(checkCue),
     view: number('view', plain.view, 0, 1e6), pose: checkDevice({...size, pose: plain.pose}, size).pose,
-    target: list('target', plain.target, 3).map((x) => number('target', x, -1e9, 1e9)), window: plain.window ? checkWindow(plain.window) : null,
+    target: list('target', plain.target, 3).map((x) => number('target', x, -1e9, 1e9)),
   };
 }
 

@@ -9,6 +9,7 @@ uniform float u_shadow_depth, u_shadow_bias;
 uniform bool u_shadows, u_footprint;
 uniform int u_levels;                         // of the pattern's mip map
 uniform vec3 u_intensity;
+uniform float u_black; // the share of its white that the projector gives where its pattern is black
 #define TILT_MAX 4.0
 #define ROUGHNESS_MIN 0.02
 #define NORMAL_MIN 0.05
@@ -138,5 +139,5 @@ vec3 light_pixel(ivec2 p, Sums s, Mapped m) {
   float distance = length(l);
   vec3 reflection = reflected(s, v, l / distance);
   if (reflection == vec3(0.0)) return vec3(0.0);
-  return reflection * m.visibility * u_intensity / (distance * distance) * box_mean(m.uv, m.extent);
+  return reflection * m.visibility * u_intensity / (distance * distance) * mix(box_mean(m.uv, m.extent), vec3(1.0), u_black);
 }

@@ -9,7 +9,7 @@ const FILLED = 0.88;       // share of the free part that the view's frame takes
 const OBJECT_SHARE = 0.42; // of the free height, while layers are placed in the projector's picture below
 
 // The settings for comparison with a photograph: without anything that the camera did not see.
-const NEUTRAL = {exposure: 0, ambient: true, map: null}, NEUTRAL_PROJECTOR = {stops: 0, correction: 'none', painted: false};
+const NEUTRAL = {exposure: 0, ambient: true, map: null, black: 0}, NEUTRAL_PROJECTOR = {stops: 0, correction: 'none', painted: false};
 
 // Puts values into an object and returns those that existed.
 function exchange(object, values) {
@@ -24,17 +24,19 @@ class App {
     this.graphics = new Graphics(canvas);
     this.renderer = new Renderer(this.graphics, scene);
     this.compensator = new Compensator(this.renderer);
-    this.window = new ProjectorWindow(this);
     this.library = new Library(this);
     this.show = new Show(this);
     this.up = this.findUp();
     this.exposure = 0, this.ambient = true, this.map = null;
+    this.black = 0;           // the share of their white that dark projectors give
+    this.dark = this.test = false; // blackout and test picture of the projector windows
     this.mode = 'camera', this.frusta = true;
     this.brush = {colour: '#ffffff', size: 14, erase: false};
     this.projectors = [], this.projector = null, this.numbers = 0;
     this.photograph = null, this.comparisons = 0;
     this.quality = 1, this.lastChange = 0, this.pending = false;
     this.listeners = [];
+    document.addEventListener('visibilitychange', () => this.reschedule());
     canvas.addEventListener('webglcontextlost', (event) => {
       event.preventDefault();
       this.lost = true;
@@ -121,12 +123,19 @@ class App {
 
   // --- Projectors. ---
 
+  // The selected projector's.
+  get window() { return this.projector.window; }
+
+  // Those that share the light of a corrected one where they overlap.
+  partnersOf(projector) { return projector.on ? this.lit.filter((other) => other !== projector && other.corrected) : []; }
+
   // Beside a photograph only the projector that it was taken under shines.
   get lit() { return this.photograph ? [this.photograph.projector] : this.projectors.filter((projector) => projector.on); }
 
   addProjector() {
     const like = this.projector ? this.projector.device : (this.at || this.scene.views[0]).projector;
     const projector = new Projector(this.graphics, {...like}, this.scene.panel, ++this.numbers);
+    projector.window = new ProjectorWindow(this, projector);
     if (this.projectors.length) projector.device = {...like, pose: orbit(like.pose, this.scene.centre, this.up, 0.8, 0)};
     projector.original = (this.at || this.scene.views[0]).projector;
     this.projectors.push(projector);
@@ -141,9 +150,9 @@ class App {
     this.endComparison(this.projector);
     const [removed] = this.projectors.splice(at, 1);
     this.release(removed.sources);
+    removed.window.close();
     removed.free();
     this.select(this.projectors[Math.min(at, this.projectors.length - 1)]);
-    this.patternsChanged = true; // the projector window may have shown it
     this.invalidate();
   }
 
@@ -332,7 +341,7 @@ class App {
     if (this.pending || this.lost) return;
     this.pending = true;
     // a hidden page has no frames; what the projector shows goes on in those of its window
-    const source = document.hidden && this.window.isOpen ? this.window.window : window;
+    const open = document.hidden && this.projectors.find((projector) => projector.window.isOpen), source = open ? open.window.window : window;
     const frame = source.requestAnimationFrame(() => this.frame(performance.now()));
     this.cancel = () => { if (!source.closed) source.cancelAnimationFrame(frame); };
   }
@@ -348,7 +357,7 @@ class App {
   // True if a film runs that can be seen, here or in the projector window.
   get playing() {
     const {lit} = this;
-    return this.projectors.some((p) => p.live && (lit.includes(p) || (p.on && this.window.isOpen && this.window.projector === p)));
+    return this.projectors.some((p) => p.live && (lit.includes(p) || (p.on && p.window.isOpen)));
   }
 
   get dragged() { return performance.now() - this.lastChange < 180; }
@@ -397,16 +406,22 @@ class App {
   // The projectors' patterns, where they have changed; while things move, a correction may be `coarse`.
   updatePatterns(coarse = false) {
     for (const projector of this.projectors) {
-      const watcher = projector.corrected ? this.watcherOf(projector) : null;
-      const key = JSON.stringify([watcher, projector.device, projector.correction, projector.gain, projector.stops]);
+      const watcher = projector.corrected ? this.watcherOf(projector) : null, others = projector.corrected ? this.partnersOf(projector) : [];
+      const most = this.black && projector.corrected ? Math.max(1, ...[projector, ...others].map((p) => p.most || 1)) : 1;
+      const key = JSON.stringify([watcher, projector.device, projector.correction, projector.gain, projector.stops, this.black, most,
+        others.map(({device, stops}) => [device, stops])]);
       if (!projector.dirty && !projector.live && key === projector.patternKey && (coarse || !projector.coarse)) continue;
-      projector.coarse = projector.corrected && this.compensator.solve(projector, watcher, coarse);
+      projector.coarse = projector.corrected && this.compensator.solve(projector, watcher, coarse, {others, black: this.black, most});
       if (!projector.corrected) {
         projector.freeMaps();
         if (projector.dirty || projector.live || projector.wasCorrected) projector.drawPattern();
       }
       projector.dirty = false, projector.patternKey = key, projector.wasCorrected = projector.corrected;
-      this.patternsChanged = true;
+      projector.window.stale = true;
+    }
+    if (this.black && this.projectors.some((p) => p.corrected && p.most !== p.knownMost)) {
+      for (const p of this.projectors) p.knownMost = p.most;
+      this.updatePatterns(coarse); // what one counted holds for all
     }
   }
 
@@ -423,14 +438,14 @@ class App {
   draw(quality, coarse = false) {
     const began = performance.now(), {ratio, side} = this.detail(quality);
     const camera = this.cameraOf(ratio), {canvas} = this;
+    this.renderer.black = this.black;
     this.updatePatterns(coarse);
     if (canvas.width !== camera.width || canvas.height !== camera.height)
       canvas.width = camera.width, canvas.height = camera.height;
     this.renderer.drawLight(camera, side, this.lit, this.ambient);
     if (this.map === null) this.renderer.resolve(null, 2 ** this.exposure);
     else this.renderer.showMap(null, this.map);
-    if (this.patternsChanged) this.window.show();
-    this.patternsChanged = false;
+    for (const projector of this.projectors) if (projector.window.stale) projector.window.show();
     this.redrawOverlay();
     this.frames = (this.frames || 0) + 1;
     this.drawn = {camera, side, milliseconds: performance.now() - began};
@@ -442,6 +457,7 @@ class App {
 
   // The picture that the page shows now, RGBA bytes with row 0 on top, at any size; for screenshots and tests.
   picture(width, height, camera = {...this.base, pose: this.pose}) {
+    this.renderer.black = this.black;
     this.updatePatterns();
     const {side} = affordable(width, height, this.scene.drawing.samples, this.graphics.sideMax);
     return this.renderer.picture(fitDevice(camera, width, height), side, this.lit, this.ambient,

@@ -138,6 +138,7 @@ class Projector {
   free() {
     this.pattern.free();
     this.freeMaps();
+    if (this.feather) this.feather.free();
     this.graphics.free(this.shadow);
   }
 }

@@ -186,7 +186,7 @@ class Renderer {
       u_shadow_depth: projector.shadowDepth || 0, u_shadow_bias: this.settings.shadow_bias,
       u_shadows: shadows, u_footprint: this.settings.footprint,
       u_pattern: projector.pattern.texture, u_levels: projector.pattern.levels,
-      u_intensity: scale3(this.scene.intensity, projector.brightness),
+      u_intensity: scale3(this.scene.intensity, projector.brightness), u_black: this.black || 0,
     };
   }
 

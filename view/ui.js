@@ -148,6 +148,15 @@ function buildProjectors(app) {
   show();
 }
 
+// What the selected projector shows, and how it is corrected, on all: corrected, they share its light.
+function showEverywhere(app) {
+  const {layers, correction, watcher, gain} = app.projector;
+  for (const projector of app.projectors.filter((p) => p !== app.projector)) {
+    Object.assign(projector, {correction, watcher, gain});
+    app.setLayers(layers.map((layer) => new Layer(layer.source, layer)), projector);
+  }
+}
+
 // A control and the state behind it: `get` reads the state to show it, `set` changes it.
 function bind(app, id, get, set, shown = null) {
   const input = $(id), property = input.type === 'checkbox' ? 'checked' : 'value';
@@ -169,7 +178,7 @@ const fieldOf = (d) => 360 / Math.PI * Math.atan(d.width / (2 * d.fx));
 
 function buildSettings(app) {
   const redraw = () => app.invalidate();
-  bind(app, 'on', () => app.projector.on, (on) => { app.projector.on = on; app.changed('projector'); app.patternsChanged = true; redraw(); });
+  bind(app, 'on', () => app.projector.on, (on) => { app.projector.on = on; app.changed('projector'); app.projector.window.stale = true; redraw(); });
   bind(app, 'fit', () => app.projector.layer.fit, (fit) => { app.projector.layer.fit = fit; app.projector.dirty = true; redraw(); });
   bind(app, 'brightness', () => app.projector.stops, (stops) => { app.projector.stops = stops; redraw(); }, () => stopsText(app.projector.stops));
   bind(app, 'lens', () => fieldOf(app.projector.device), (degrees) => {
@@ -208,12 +217,15 @@ function buildCorrection(app) {
   bind(app, 'correction', () => app.projector.correction, (how) => { app.projector.correction = how; app.changed('content'); app.invalidate(); });
   bind(app, 'watcher', () => app.projector.watcher, (which) => { app.projector.watcher = which; app.invalidate(); });
   bind(app, 'gain', () => app.projector.gain, (stops) => { app.projector.gain = stops; app.invalidate(); }, () => stopsText(app.projector.gain));
-  $('send').onclick = attempt(() => app.window.open(app.projector));
+  $('send').onclick = attempt(() => app.window.open());
+  $('same').onclick = () => { showEverywhere(app); app.invalidate(); };
+  bind(app, 'black', () => 100 * app.black, (percent) => { app.black = clamp(Number(percent) || 0, 0, 100 * BLACK_MOST) / 100; app.invalidate(); });
   $('export').onclick = attempt(() => savePattern(app));
   app.listeners.push((what) => {
     if (what === 'drawn') return;
     $('gain-row').hidden = app.projector.correction !== 'colours';
     $('watcher-row').hidden = !app.projector.corrected;
+    $('same').hidden = $('black-row').hidden = app.projectors.length < 2;
   });
 }
 
@@ -316,7 +328,7 @@ const KEYS = {
   x: (app) => { app.frusta = !app.frusta; app.changed('settings'); app.invalidate(); },
   v: (app) => attempt(() => app.showPhotograph(!app.photograph))(), s: attempt((app) => savePicture(app)), f: toggleFull, h: togglePanel,
   o: () => $('file').click(), '?': () => $('keys').showModal(), n: (app) => app.addProjector(),
-  w: (app) => attempt(() => app.window.open(app.projector))(), '.': (app) => app.window.black(), t: (app) => app.window.check(), Home: (app) => app.home(),
+  w: (app) => attempt(() => app.window.open())(), '.': (app) => blackout(app), t: testPicture, Home: (app) => app.home(),
   '+': (app) => app.dolly(0.9), '=': (app) => app.dolly(0.9), '-': (app) => app.dolly(1 / 0.9),
   '[': (app) => { app.brush.size = Math.max(2, app.brush.size - 2); app.changed('brush'); app.redrawOverlay(); },
   ']': (app) => { app.brush.size = Math.min(120, app.brush.size + 2); app.changed('brush'); app.redrawOverlay(); },

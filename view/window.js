@@ -1,6 +1,5 @@
 'use strict';
-// The projector window: a second window, moved to the real projector and made full screen there, that shows
-// the picture for it.
+// A projector's window: moved to the real projector and made full screen there, it shows the picture for it.
 
 // Tells which projector this is, where its picture ends and whether its pixels are the screen's: a frame one pixel wide, a
 // field of single pixels, a grid, the number and the size.
@@ -21,22 +20,34 @@ function drawTest(context, width, height, projector) {
   context.fillText(`${width} × ${height}`, middle[0], middle[1] + 2.5 * step);
 }
 
+const showWindows = (app) => app.projectors.forEach((projector) => projector.window.show());
+
+// Blackout of all projector windows, and back: the show goes on behind it.
+function blackout(app, on = !app.dark) {
+  app.dark = on;
+  say(on ? 'Blackout: the projector windows are black until you press . again.' : 'The projector windows show their pictures again.');
+  showWindows(app);
+}
+
+// The test picture in place of the content, and back.
+function testPicture(app) {
+  app.test = !app.test;
+  if (!app.projectors.some((projector) => projector.window.isOpen)) say('The test picture appears in the projector windows, none of which is open yet.');
+  showWindows(app);
+}
+
 class ProjectorWindow {
-  constructor(app) {
-    this.app = app;
+  constructor(app, projector) {
+    this.app = app, this.projector = projector;
     this.kept = {};
     this.window = null;
-    this.projector = null;
-    this.dark = this.test = false;
     this.where = null; // {left, top, width, height, full}: the window's place, to which it comes back
     addEventListener('pagehide', () => this.close());
-    document.addEventListener('visibilitychange', () => app.reschedule());
   }
 
   get isOpen() { return !!this.window && !this.window.closed; }
 
-  async open(projector) {
-    this.projector = projector;
+  async open() {
     if (!this.isOpen) {
       const {left, top, width = 800, height = 600, full} = this.where || {};
       // other screens are open to pages that may know of them
@@ -55,7 +66,7 @@ class ProjectorWindow {
   }
 
   furnish(page, full) {
-    page.title = 'Projector';
+    page.title = `Projector ${this.projector.number}`;
     page.body.style.cssText = 'margin:0;background:#000;height:100vh;overflow:hidden;cursor:none';
     this.canvas = page.createElement('canvas');
     const hint = page.createElement('p');
@@ -74,31 +85,16 @@ class ProjectorWindow {
     this.window.addEventListener('pagehide', () => {
       this.notePlace();
       if (this.app.store) this.app.store.soon();
-      say('The projector window was closed. Press W: it comes back where it was.');
+      if (this.app.projectors.includes(this.projector)) say('The projector window was closed. Press W: it comes back where it was.');
     });
     page.addEventListener('click', fill);
     if (full) page.documentElement.requestFullscreen().then(() => hint.remove(), () => {}); // some browsers ask for a click
     page.addEventListener('keydown', (event) => {
       if (event.key === 'f' || event.key === 'F') fill();
       if ((event.key === ' ' || event.key === 'Enter') && !event.repeat) go(this.app);
-      if (event.key === '.') this.black();
-      if (event.key === 't' || event.key === 'T') this.check();
+      if (event.key === '.') blackout(this.app);
+      if (event.key === 't' || event.key === 'T') testPicture(this.app);
     });
-  }
-
-  // Blackout, and back: the show goes on behind it.
-  black() {
-    this.dark = !this.dark;
-    if (this.dark) say('Blackout: the projector window is black until you press . again.');
-    else say('The projector window shows its picture again.');
-    this.show();
-  }
-
-  // The test picture in place of the content, and back.
-  check() {
-    this.test = !this.test;
-    if (!this.isOpen) say('The test picture appears in the projector window, which is not open yet.');
-    this.show();
   }
 
   // A panel's picture lies pixel on pixel, whatever the screen's scale, where the window has room for it; otherwise, as a
@@ -114,16 +110,16 @@ class ProjectorWindow {
 
   // After the projector's pattern has changed.
   show() {
-    if (!this.isOpen || !this.projector) return;
-    if (!this.app.projectors.includes(this.projector)) this.projector = this.app.projectors[0];
-    if (!this.projector) return;
+    this.stale = false;
+    if (!this.isOpen) return;
+    const {app: {dark, test}} = this;
     const {width, height, data} = panelPicture(this.app.graphics, this.projector, this.app.scene.panel, this.kept);
     if (this.canvas.width !== width || this.canvas.height !== height)
       this.canvas.width = width, this.canvas.height = height;
     this.place();
     const context = this.canvas.getContext('2d');
-    if (this.dark || !(this.projector.on || this.test)) context.clearRect(0, 0, width, height);
-    else if (this.test) drawTest(context, width, height, this.projector);
+    if (dark || !(this.projector.on || test)) context.clearRect(0, 0, width, height);
+    else if (test) drawTest(context, width, height, this.projector);
     else context.putImageData(new ImageData(data, width, height), 0, 0);
   }
 

@@ -162,7 +162,8 @@ typedef struct FfpCompensation {
     const char *video;
     int rate;
     double gain; // factor on the linear targets; 0: the brightest that light allows
-    bool paint;  // targets are light on the object: 0 its look under black, 1 its look under white (no gain)
+    bool paint;  // targets are light on the object: 0 its look under black, 1 under white, shared where
+                 // projectors overlap (no gain)
     // Of gradient descent after the closed form, which then is at up to four times the camera's pixels a
     // side; 0: none, and the closed form is that of the live page.
     int steps;
@@ -173,6 +174,9 @@ typedef struct FfpCompensation {
     // the capture must contain (docs/reference/formats/capture.md, projector.device).
     bool for_device;
     FfpDrawing drawing;
+    // The share of its white that a dark projector still gives, in [0, 0.1]: where projectors overlap, that
+    // adds up, and the dark beside is lifted to it. 0: projectors that are dark give nothing.
+    double black_level;
 } FfpCompensation;
 
 FFP_DEFAULTS(FfpCompensation, ffp_compensation_defaults) // all views, gain 1, 30 steps

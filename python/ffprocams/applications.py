@@ -78,6 +78,7 @@ def compensate(
     paint: bool = False,
     steps: int = 30,
     gaussians_only: bool = False,
+    black_level: float = 0.0,
     form: str = "ours",
     samples: int = 0,
     progress: ProgressOption = None,
@@ -93,10 +94,13 @@ def compensate(
         fit: how targets go into the cameras' frames if their shapes differ: cover, contain, stretch or pixel.
         transparent: transparent parts of a target are black, or free (unconstrained).
         gain: factor on the linear targets; 0: the brightest that light allows.
-        paint: targets are light on the object: 0 its look under black, 1 its look under white (no gain).
+        paint: targets are light on the object: 0 its look under black, 1 under white, shared where
+            projectors overlap (no gain).
         steps: number of steps of gradient descent after the closed form; 0: none.
         gaussians_only: take ambient light and response from the Gaussians even if the view has photographs under black
             and white.
+        black_level: share of its white that a dark projector still gives, in [0, 0.1]; where several overlap, the dark
+            beside is lifted until it is as bright.
         form, samples: how Gaussians are drawn, as in Renderer.
         progress: see ffprocams.ProgressOption.
         threads: number of threads; 0: all processors.
@@ -111,6 +115,7 @@ def compensate(
     _fill_targets(options, listed, keep)
     options.framing, options.transparent_free = one_of(FRAMINGS, fit, "fit"), one_of(_TRANSPARENT, transparent, "transparent")
     options.gain, options.paint, options.steps, options.gaussians_only = gain, paint, steps, gaussians_only
+    options.black_level = black_level
     options.drawing, stats = drawing_of(form, samples), ffi.new("FfpCompensationStats *")
     with holding(gaussians, capture), Call(progress, threads) as call:
         made = lib.ffp_compensate_images(

@@ -256,18 +256,90 @@ void ffp_procams_scale(FfpProCams *procams, real gain) {
     }
 }
 
-void ffp_procams_paint(FfpProCams *procams) {
+void ffp_procams_black_level(FfpProCams *procams, real black) {
+    procams->black = black;
     for (int s = 0; s < procams->n_camera_views; s++) {
-        FfpCameraView *camera_view = &procams->camera_views[s];
-        const ptrdiff_t count = (ptrdiff_t)camera_view->target.width * camera_view->target.height * 3;
-        for (ptrdiff_t i = 0; i < count; i++) {
-            real sum = 0;
-            for (int k = 0; k < procams->n_projections; k++)
-                sum += ffp_procams_link(procams, s, k)->response.data[i];
-            camera_view->target.data[i] =
-                camera_view->ambient.data[i] + sum * fmin(camera_view->target.data[i], (real)1);
+        FfpImage *ambient = &procams->camera_views[s].ambient;
+        const ptrdiff_t count = (ptrdiff_t)ambient->width * ambient->height * 3;
+        for (int k = 0; k < procams->n_projections; k++) {
+            real *response = ffp_procams_link(procams, s, k)->response.data;
+            for (ptrdiff_t i = 0; i < count; i++) {
+                ambient->data[i] += black * response[i];
+                response[i] *= 1 - black;
+            }
         }
     }
+}
+
+static bool reaches(const FfpLink *link, ptrdiff_t p) {
+    const real *response = link->response.data + 3 * p;
+    return response[0] > 0 || response[1] > 0 || response[2] > 0;
+}
+
+// The most projections that light one place, among those that at least a hundredth of the lit pixels share.
+static int most_at_once(const FfpProCams *procams) {
+    int64_t *pixels = ffp_alloc((size_t)procams->n_projections + 1, sizeof *pixels), lit = 0;
+    for (int s = 0; s < procams->n_camera_views; s++) {
+        const FfpImage *weight = &procams->camera_views[s].weight;
+        for (ptrdiff_t p = 0; p < (ptrdiff_t)weight->width * weight->height; p++) {
+            int count = 0;
+            for (int k = 0; k < procams->n_projections; k++)
+                count += reaches(ffp_procams_link(procams, s, k), p);
+            pixels[count] += weight->data[p] > 0.5F;
+            lit += count > 0 && weight->data[p] > 0.5F;
+        }
+    }
+    int most = procams->n_projections;
+    while (most > 1 && 100 * pixels[most] < lit) most--;
+    ffp_free(pixels);
+    return most;
+}
+
+// The mean of what the projectors' whites show alone, weighted by their feathers: radiance beside the
+// ambient.
+static void shared_white(const FfpProCams *procams, int s, ptrdiff_t p, real out[3]) {
+    real sum = 0;
+    memset(out, 0, 3 * sizeof *out);
+    for (int k = 0; k < procams->n_projections; k++) {
+        const FfpLink *link = ffp_procams_link(procams, s, k);
+        const real *uv = link->mapping.uv + 2 * p;
+        real feather;
+        if (!reaches(link, p)) continue;
+        ffp_image_sample(&procams->projections[k].feather, uv[0], uv[1], &feather);
+        sum += feather;
+        for (int c = 0; c < 3; c++) out[c] += feather * link->response.data[3 * p + c] / (1 - procams->black);
+    }
+    for (int c = 0; c < 3 && sum > 0; c++) out[c] /= sum;
+}
+
+// Every target becomes its floor and (paint) that share of the way up, or (otherwise) at least its floor.
+static void raise_targets(FfpProCams *procams, bool paint) {
+    const real floor = procams->black * (real)most_at_once(procams);
+    for (int s = 0; s < procams->n_camera_views; s++) {
+        FfpCameraView *camera_view = &procams->camera_views[s];
+        for (ptrdiff_t p = 0; p < (ptrdiff_t)camera_view->target.width * camera_view->target.height; p++) {
+            real white[3];
+            shared_white(procams, s, p, white);
+            for (int c = 0; c < 3; c++) {
+                real *target = &camera_view->target.data[3 * p + c],
+                     dark = camera_view->ambient.data[3 * p + c];
+                for (int k = 0; k < procams->n_projections; k++)
+                    dark -= procams->black / (1 - procams->black) *
+                            ffp_procams_link(procams, s, k)->response.data[3 * p + c];
+                dark += floor * white[c];
+                *target =
+                    paint ? dark + (1 - floor) * white[c] * fmin(*target, (real)1) : fmax(*target, dark);
+            }
+        }
+    }
+}
+
+void ffp_procams_lift(FfpProCams *procams) {
+    if (procams->black > 0) raise_targets(procams, false);
+}
+
+void ffp_procams_paint(FfpProCams *procams) {
+    raise_targets(procams, true);
 }
 
 FfpImage ffp_procams_picture(const FfpProCams *procams, int camera_view) {

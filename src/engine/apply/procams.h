@@ -38,6 +38,7 @@ typedef struct FfpProCams {
     FfpCameraView *camera_views;
     FfpProjection *projections;
     FfpLink *links; // [n_camera_views, n_projections]
+    real black;     // the share of its white that a dark projector still gives (ffp_procams_black_level)
 } FfpProCams;
 
 // Borrows the views. Projectors with the same pose and lens (ffp_same_device) are one projection. With
@@ -55,8 +56,21 @@ void ffp_procams_aim(FfpProCams *procams, int camera_view, const FfpImage *targe
 // Multiplies all targets.
 void ffp_procams_scale(FfpProCams *procams, real gain);
 
+// Projectors that are dark still give a share `black` of their white, in [0,1): that becomes ambient light,
+// and the patterns have the rest. Before the targets are given.
+void ffp_procams_black_level(FfpProCams *procams, real black);
+
+// What a target asks for at least, so that the dark is even where several projectors overlap and beside it:
+// the darkness of the place that most projectors reach (one that less than a hundredth of the lit pixels
+// share does not count). The mean of what each projector's white would show alone, weighted by their
+// feathers, times black times that number, on what the camera sees with the projectors off. Raises targets to
+// it.
+void ffp_procams_lift(FfpProCams *procams);
+
 // Turns targets into light painted on the object: a target of 0 becomes what the camera sees under dark
-// projectors, 1 what it sees with all of them at white, pixel by pixel. All of these values can be reached.
+// projectors, lifted as by ffp_procams_lift, 1 what it sees under the mean of what each projector's white
+// would show alone, weighted by their feathers: so nothing is brighter where projectors overlap than beside.
+// All of these values can be reached.
 void ffp_procams_paint(FfpProCams *procams);
 
 // The camera's picture under the projections' patterns: linear, unclamped.

@@ -18,6 +18,7 @@
 
 #define STEPS_MAX 100000
 #define SOLVED_PIXELS (4096.0 * 4096) // of a camera's picture, for which patterns are solved at most
+#define BLACK_MOST 0.1                // of a projector's white
 #define DEVICE "projector.device"
 
 typedef struct Job {
@@ -40,6 +41,9 @@ static bool check_options(const FfpCompensation *options, const FfpCapture *capt
     if (options->steps < 0 || options->steps > STEPS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "%d steps are not in 0 to %d", options->steps,
                         STEPS_MAX);
+    if (!(options->black_level >= 0 && options->black_level <= BLACK_MOST))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "a black level of %g is not in 0 to %g",
+                        options->black_level, BLACK_MOST);
     if (!ffp_framing_check(options->framing, err)) return false;
     return !options->for_device || capture->panel.known ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
@@ -168,6 +172,7 @@ static bool read_targets(Job *job, FfpError *err) {
 
 static void aim(const Job *job, FfpProCams *procams, bool note) {
     const FfpCompensation *options = job->options;
+    ffp_procams_black_level(procams, (real)options->black_level);
     for (int v = 0; v < procams->n_camera_views; v++) {
         const FfpCamera *camera = &procams->camera_views[v].view->camera;
         const int t = target_of(job, v), width = camera->width, height = camera->height;
@@ -224,16 +229,23 @@ static void begin_finer(Job *job, const FfpGaussians *gaussians, const FfpRender
     aim(job, &job->finer, false);
 }
 
+// Targets as they are to be seen.
+static void reach(FfpProCams *procams, bool paint, real gain) {
+    if (paint) {
+        ffp_procams_paint(procams);
+        return;
+    }
+    ffp_procams_scale(procams, gain);
+    ffp_procams_lift(procams);
+}
+
 // The closed form, of which the descent then starts at the camera's own pixels.
 static void solve_finely(Job *job, real gain) {
     if (job->times == 1) {
         ffp_procams_closed_form(&job->procams, 1);
         return;
     }
-    if (job->options->paint)
-        ffp_procams_paint(&job->finer);
-    else
-        ffp_procams_scale(&job->finer, gain);
+    reach(&job->finer, job->options->paint, gain);
     ffp_procams_closed_form(&job->finer, job->times);
     for (int k = 0; k < job->procams.n_projections; k++) {
         const FfpImage kept = job->procams.projections[k].pattern;
@@ -272,10 +284,7 @@ static void solve(Job *job, FfpCompensationStats *stats) {
     stats->gain = options->paint      ? 1
                   : options->gain > 0 ? options->gain
                                       : (double)ffp_procams_brightest(procams);
-    if (options->paint)
-        ffp_procams_paint(procams);
-    else
-        ffp_procams_scale(procams, (real)stats->gain);
+    reach(procams, options->paint, (real)stats->gain);
     const FfpGamut gamut = ffp_procams_gamut(procams);
     stats->unlit = gamut.unlit;
     stats->too_dark = gamut.too_dark;

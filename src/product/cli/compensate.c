@@ -130,7 +130,16 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, how.paint),
      .help =
          "treat the target as light on the object: black means each pixel's appearance with the projector "
-         "dark, white its appearance under full light. Always reachable; the object keeps its own colours"},
+         "dark, white its appearance under full light, shared where projectors overlap. Always reachable; "
+         "the object keeps its own colours"},
+    {.name = "black-level",
+     .argument = "SHARE",
+     .type = FFP_OPTION_REAL,
+     .offset = offsetof(Arguments, how.black_level),
+     .most = 0.1,
+     .help = "share of its white that a dark projector still gives (0.001 for a contrast of 1000 to 1; "
+             "default 0): "
+             "where several overlap it adds up, and the dark beside is lifted until it is as bright"},
     {.name = "steps",
      .letter = 's',
      .argument = "N",

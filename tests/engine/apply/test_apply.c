@@ -324,6 +324,64 @@ static void projectors_share_where_they_overlap(void **state) {
     world_free(&w);
 }
 
+// The projectors (bits) that reach a pixel and all around it; -1: not the same ones everywhere.
+static int reached_by(const FfpProCams *procams, int x, int y) {
+    int found = -1;
+    for (int j = y - 2; j <= y + 2; j++)
+        for (int i = x - 2; i <= x + 2; i++) {
+            int here = 0;
+            if (i < 0 || j < 0 || i >= SIDE || j >= SIDE) return -1;
+            for (int k = 0; k < 2; k++)
+                here |= (ffp_procams_link(procams, 0, k)->response.data[3 * (j * SIDE + i)] > 0.02F) << k;
+            if (found >= 0 && here != found) return -1;
+            found = here;
+        }
+    return found;
+}
+
+// White and black painted by two projectors, each on its half of the board and a part of the other, whose
+// dark is a twentieth of their white: where both reach, no brighter than the brighter one would be and no
+// darker than the darker one; and where one does as bright as it, and as dark as where there are both.
+static void nothing_is_brighter_where_two_overlap(void **state) {
+    (void)state;
+    const real black = 0.05F;
+    World w;
+    world_new(&w, false);
+    w.views[1].camera = w.views[0].camera;
+    w.views[0].projector.cx -= 62, w.views[1].projector.cx += 62;
+    FfpProCams alone = procams_of(&w, 2);
+    for (int white = 0; white < 2; white++) {
+        FfpProCams procams = procams_of(&w, 2);
+        FfpImage target = grey(SIDE, SIDE, (real)white);
+        ffp_procams_black_level(&procams, black);
+        for (int s = 0; s < 2; s++) ffp_procams_aim(&procams, s, &target, NULL);
+        ffp_procams_paint(&procams);
+        ffp_procams_closed_form(&procams, 1);
+        FfpImage picture = ffp_procams_picture(&procams, 0);
+        int count[4] = {0}, off[4] = {0};
+        for (int p = 0; p < SIDE * SIDE; p++) {
+            const int reached = reached_by(&alone, p % SIDE, p / SIDE);
+            if (reached < 1) continue;
+            const real a = ffp_procams_link(&alone, 0, 0)->response.data[3 * p],
+                       b = ffp_procams_link(&alone, 0, 1)->response.data[3 * p];
+            const real share = white ? 1 : 2 * black;
+            const real most = share * fmaxf(a, b), least = reached == 3 ? share * fminf(a, b) : most;
+            const real seen = picture.data[3 * p] - alone.camera_views[0].ambient.data[3 * p];
+            count[reached]++;
+            off[reached] += seen > 1.03F * most || seen < 0.97F * least;
+        }
+        print_message("painted %d: of one %d of %d and %d of %d places off by 3 %%, of both %d of %d\n",
+                      white, off[1], count[1], off[2], count[2], off[3], count[3]);
+        for (int k = 1; k < 4; k++)
+            assert_true(count[k] > 20 && 8 * off[k] < count[k]); // outlines are blurred
+        ffp_image_free(&picture);
+        ffp_image_free(&target);
+        ffp_procams_free(&procams);
+    }
+    ffp_procams_free(&alone);
+    world_free(&w);
+}
+
 static void views_of_one_projector_share_its_pattern(void **state) {
     (void)state;
     World w;
@@ -482,6 +540,7 @@ int main(void) {
         cmocka_unit_test(what_cannot_be_reached_is_counted),
         cmocka_unit_test(the_gain_that_light_allows_is_found),
         cmocka_unit_test(projectors_share_where_they_overlap),
+        cmocka_unit_test(nothing_is_brighter_where_two_overlap),
         cmocka_unit_test(views_of_one_projector_share_its_pattern),
         cmocka_unit_test(the_inverse_is_where_geometry_says),
         cmocka_unit_test(strips_show_what_a_whole_picture_does),

@@ -232,6 +232,39 @@ def check_compensation(check, page, program, ply, data, folder):
     page.run("idle()")
 
 
+def check_sharing(check, page):
+    """Two projectors from both sides, painted white, whose dark is a fiftieth of their white: linear light of each alone and
+    of both; then in black."""
+    page.hold(True)
+    white, black, most = page.run("""(() => { const N = 128, {views, centre} = viewer.scene, camera = fitDevice(views[0].camera, N, N), DARK = 0.02;
+        viewer.jump(views[0], true), viewer.setContent(new TestContent('White')), viewer.addProjector();
+        viewer.projectors.forEach((p, k) => { p.device = {...p.device, pose: orbit(views[0].projector.pose, centre, viewer.up, 1.1 * (2 * k - 1), 0)}; });
+        const light = (list) => { viewer.updatePatterns(); viewer.renderer.drawLight(camera, 2, list, false); return viewer.graphics.readFloats(viewer.renderer.light); };
+        viewer.setContent(new TestContent('White'));
+        const alone = viewer.projectors.map((p) => light([p])), solid = viewer.graphics.readFloats(viewer.renderer.view.mean());
+        viewer.renderer.black = viewer.black = DARK;
+        Object.assign(viewer.projector, {correction: 'paint', watcher: 0});
+        showEverywhere(viewer);
+        const compare = (share) => { const both = light(viewer.projectors), counts = [0, 0, 0, 0, 0, 0];
+            const reached = (i) => alone.reduce((bits, a, k) => bits | (a[4 * i] > 0.003) << k, 0) * (solid[4 * i + 3] > 0.99);
+            for (let y = 2; y < N - 2; y++) for (let x = 2; x < N - 2; x++) {
+                const i = N * y + x, r = reached(i), around = (j) => reached(i + (j % 5) - 2 + N * (Math.floor(j / 5) - 2)) === r;
+                if (!r || !Array.from({length: 25}, (_, j) => around(j)).every(Boolean)) continue;
+                const seen = both[4 * i], each = alone.map((a) => share * a[4 * i]).filter((_, k) => r >> k & 1), n = each.length - 1;
+                counts[2 * n]++, counts[2 * n + 1] += seen > 1.03 * Math.max(...each) || seen < 0.97 * Math.min(...each); }
+            return counts.slice(0, 4); };
+        const white = compare(1);
+        for (const p of viewer.projectors) viewer.setContent(new SolidContent('#000000'), p);
+        const black = compare(2 * DARK), {most} = viewer.projector;
+        Object.assign(viewer, {black: 0}), viewer.renderer.black = 0;
+        viewer.removeProjector(), viewer.projector.correction = 'none', viewer.setContent(new TestContent('White'));
+        return [white, black, most]; })()""")
+    page.hold(False)
+    for name, (one, off_one, both, off_both) in (("white", white), ("black", black)):
+        check(f"two projectors, {name}: as bright where they overlap as beside", one > 200 and both > 1000 and off_one < 0.05 * one and off_both < 0.05 * both,
+              f"of one {off_one} of {one} places off by 3 %, of both {off_both} of {both}; {most} overlap")
+
+
 SENT = """(() => { const {data} = panelPicture(viewer.graphics, viewer.projector, null, window.kept = window.kept || {});
     let text = '';
     for (let i = 0; i < data.length; i += 8192) text += String.fromCharCode(...data.subarray(i, i + 8192));
@@ -637,7 +670,7 @@ def check_place(check, page):
     page.key("Enter", "Enter", windowsVirtualKeyCode=13)
     page.wait("viewer.show.at === 1")
     check("GO brings layers, places and correction of the next cue", first == [2, 0, "paint", True] and abs(shown[0] - 128) < 3 and mean(0, 0, 1, 1) == [255, 0, 0], f"{first} {shown} {mean(0, 0, 1, 1)}")
-    page.run("viewer.window.open(viewer.projector)")
+    page.run("viewer.window.open()")
     page.wait("viewer.window.isOpen")
     page.run("viewer.show.cues[0].follow = 0.1, viewer.show.cues[1].follow = null, viewer.window.window.document.dispatchEvent(new viewer.window.window.KeyboardEvent('keydown', {key: ' '}))")
     page.wait("viewer.show.at === 0")
@@ -993,14 +1026,14 @@ def check_window(check, page):
     page.run("dispatchEvent(new KeyboardEvent('keydown', {key: 't'}))")
     check("a test picture of single pixels, and back", shown == [[255, 0, 255, 255], [0, 255, 0, 255], True] and page.run(colour) == "0,255,0", f"{shown}")
     page.click("#add")
-    page.run("viewer.setContent(new SolidContent('#ff0000')); viewer.window.open(viewer.projector); idle()")
-    before = page.run(colour)
+    page.run("viewer.setContent(new SolidContent('#ff0000')); viewer.window.open(); idle()")
+    before = page.run(f"window.other = viewer.window.window; [viewer.projectors.map((p) => String([...bytesOf(p.window.canvas).subarray(0, 3)])), other.document.title.replace(/[0-9]+$/, '')].join(' ')")
     page.click("#remove")
-    page.run("idle()")
-    after = page.run(colour)
-    check("it follows when its projector is removed", (before, after) == ("255,0,0", "0,255,0"), f"{before} and then {after}")
+    page.wait("other.closed")
+    after = page.run(f"idle().then(() => viewer.window.isOpen + ' ' + {colour})")
+    check("each projector has a window of its own, until it is removed", (before, after) == ("0,255,0,255,0,0 Projector ", "true 0,255,0"), f"{before} and then {after}")
     page.run("""(() => { const d = viewer.projector.device; viewer.scene.panel = {...d, width: 1600, height: 1200, fx: 2 * d.fx, fy: 2 * d.fy, cx: 800, cy: 600};
-        viewer.addProjector(); viewer.setContent(new TestContent('White')); viewer.window.open(viewer.projector); return idle(); })()""")
+        viewer.addProjector(); viewer.setContent(new TestContent('White')); viewer.window.open(); return idle(); })()""")
     finer = page.run("[viewer.projector.pattern.width / viewer.projector.device.width, viewer.window.canvas.width, viewer.window.canvas.height]")
     check("a pattern is as fine as the panel", finer == [2, 1600, 1200], f"{finer}")
     placed = page.run("""(() => { const popup = viewer.window.window, set = (name, value) => Object.defineProperty(popup, name, {value, configurable: true});
@@ -1017,9 +1050,9 @@ def check_window(check, page):
         viewer.window.where.full = true;
         const state = await checkState(viewer, JSON.parse(await stageText(viewer))), real = window.open; let asked = '';
         window.open = (...given) => { asked = given[2]; return real('', '', 'popup,width=400,height=300'); };
-        await viewer.window.open(viewer.projector);
+        await viewer.window.open();
         window.open = real;
-        return [asked, viewer.window.window.document.querySelector('p').textContent.slice(0, 17), state.window]; })()""")
+        return [asked, viewer.window.window.document.querySelector('p').textContent.slice(0, 17), state.projectors[0].window]; })()""")
     check("a window that was closed comes back where it was", came == ["popup,width=1024,height=768,left=1930,top=40", "Click this window",
           {"left": 1930, "top": 40, "full": True, "width": 1024, "height": 768}] and "Press W" in page.message(), f"{came}")
     page.run("viewer.scene.panel = null, viewer.window.close(), idle()")
@@ -1170,6 +1203,7 @@ def main():
             check_halves(check, page)
             check_maps(check, page, program, ply, data, scratch)
             check_compensation(check, page, program, ply, data, scratch)
+            check_sharing(check, page)
             check_controls(check, page)
             check_photograph(check, page, folder)
             check_comparison(check, page)
