@@ -20,6 +20,10 @@ def cell(value, digits=2):
     return f"{value:,}" if isinstance(value, int) else f"{value:,.{digits}f}"
 
 
+def mean(values):
+    return sum(values) / len(values)
+
+
 def table(head, rows):
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("|" + "|".join(f" {c} " if c != "---" else c for c in map(str, line)).replace("|  |", "| |") + "|" for line in lines).replace("|  |", "| |")
@@ -146,10 +150,15 @@ def rooms(f):
 
 @block
 def without_board(f):
-    w = f["without_board"]
-    rows = [[name, *cells] for name, cells in w["errors"].items()]
-    rows += [[kind, *(", ".join(f"{v:.2f}" for v in w[kind][place]) for place in ("walks", "turntables", "ceramics"))] for kind in ("found", "true")]
-    return f"Program {program(f, {'without_board': ''})}:\n\n" + table(["", "walks", "turntables", "ceramics"], rows)
+    kinds = [f["board"][kind] for kind in ("walks", "turntables")]
+
+    def of(figure, key, digits, unit=""):
+        return [cell(figure([v for v in kind[key] if v is not None]), digits) + unit for kind in kinds]
+
+    lost = [max(a - b for a, b in zip(kind["true"], kind["found"]) if b is not None) for kind in kinds]
+    rows = [["refused", *(kind["found"].count(None) for kind in kinds)], ["focal length of the camera, largest error", *of(max, "camera", 2, " %")], ["of the projector", *of(max, "projector", 2, " %")],
+            ["PSNR with the calibration found", *of(mean, "found", 2)], ["with the true one", *of(mean, "true", 2)], ["the most that a rig loses", *map(cell, lost)]]
+    return f"Program {program(f, {'board': ''})}:\n\n" + table(["", "walks", "turntables"], rows)
 
 
 @block
