@@ -33,7 +33,7 @@ static const struct {
     const char *name;
     unsigned faults;
 } rows[] = {
-    {"clean", 0},
+    {"no fault", 0},
     {"noise of 1 %", NOISE},
     {"projector out of focus by 2 pixels", DEFOCUS},
     {"projector gamma 2.2", GAMMA},

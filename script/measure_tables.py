@@ -186,7 +186,7 @@ def steps(f):
 
 @block
 def faults(f):
-    rows = [[name, *(cell(v, 1) for v in figures)] for name, figures in f["faults"]["rows"].items()]
+    rows = [[name, *(cell(v, 1) for v in figures)] for name, figures in f["faults"]["rows"]]
     return (f"The first {f['faults']['count']} test scenes, generated again with a fault of the devices, reconstructed from these pictures and poses, and scored against "
             f"faultless pictures at faultless poses (`bench/faults`), program {program(f, {'faults': ''})}:\n\n"
             + table(["", "network: input poses", "new poses", "as shipped: input poses", "new poses"], rows))
@@ -209,6 +209,13 @@ def compensation(f):
     return (f"Program {program(f, {'compensation': ''})}:\n\n"
             + table(["capture", "unwarped", "closed form", "30 steps of descent"], [[name, *(cell(v, 1) for v in figures)] for name, figures in c["rows"].items()])
             + f"\n\nThe least gain over unwarped in any of the {c['cases']} cases is {cell(c['least'], 1)} dB; more steps do not help, since what remains is geometry.")
+
+
+@block
+def degraded(f):
+    d = f["degraded"]
+    return (f"Rendering / novel pattern / novel pose, {d['count']} objects, program {program(f, {'degraded': ''})}:\n\n"
+            + table(["", "network", "as shipped"], [[name, cell(figures[:3], 1), cell(figures[3:], 1)] for name, figures in d["rows"]]))
 
 
 # --- Performance. ---
