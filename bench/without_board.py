@@ -52,7 +52,7 @@ def psnr(program, kind, rig, out, calibration, shown):
         run(program, "reconstruct", f"{out}-given", "-o", f"{out}.ply")
         run(program, "evaluate", f"{out}-given", "--gaussians", f"{out}.ply", "--targets", f"{out}-held/scene.json", "--json", scores)
     with open(scores, encoding="utf-8") as file:
-        return next(row["psnr"] for row in json.load(file)["rows"] if row["protocol"] == "novel_pose")
+        return next(round(row["psnr"], 3) for row in json.load(file)["rows"] if row["protocol"] == "novel_pose")
 
 
 def one(program, work, kind, number, shown):
@@ -69,7 +69,7 @@ def one(program, work, kind, number, shown):
     outs = ["-o", found[0]] if kind == "walks" else ["--angles", "8x45", "-o", found[0], "--turntable-output", found[1]]
     if not os.path.exists(found[0]) and not run(program, "calibrate", *folders, "--without-board", "--shown", shown, *outs, refused=True):
         return None, None, None, psnr(program, kind, rig, f"{rig}-true", truth, shown)
-    errors = [100 * abs(a / b - 1) for a, b in zip(focal_lengths(found[0]), focal_lengths(truth[0]))]
+    errors = [round(100 * abs(a / b - 1), 3) for a, b in zip(focal_lengths(found[0]), focal_lengths(truth[0]))]
     return *errors, psnr(program, kind, rig, f"{rig}-found", found, shown), psnr(program, kind, rig, f"{rig}-true", truth, shown)
 
 
@@ -81,7 +81,8 @@ def main():
     options = parser.parse_args()
     os.makedirs(options.work, exist_ok=True)
     shown = f"{options.work}/patterns"
-    run(options.program, "patterns", "-o", shown, "--projector", "640x400", "--only", "capture", "--only", "graycode")
+    if not os.path.exists(shown):
+        run(options.program, "patterns", "-o", shown, "--projector", "640x400", "--only", "capture", "--only", "graycode")
     figures = {}
     for kind in HELD:
         rows = [one(options.program, options.work, kind, number, shown) for number in range(options.rigs)]
