@@ -94,13 +94,13 @@ function stateOf(app) {
   }));
   return {
     projectors, selected: app.projectors.indexOf(app.projector), exposure: app.exposure, ambient: app.ambient, black: app.black,
-    cues: structuredClone(app.show.cues), view: app.scene.views.indexOf(app.at), pose: app.pose, target: app.target,
+    cues: structuredClone(app.show.cues), midi: app.midi.bindings, view: app.scene.views.indexOf(app.at), pose: app.pose, target: app.target,
   };
 }
 
 // Two states are the same to undo if they differ in the view and in what is selected only.
 function sameWork(a, b) {
-  const work = (s) => JSON.stringify([s.projectors.map((p) => ({...p, paint: null, at: 0, window: null})), s.exposure, s.ambient, s.black, s.cues]);
+  const work = (s) => JSON.stringify([s.projectors.map((p) => ({...p, paint: null, at: 0, window: null})), s.exposure, s.ambient, s.black, s.cues, s.midi]);
   return work(a) === work(b) && a.projectors.every((p, i) => p.paint === b.projectors[i].paint);
 }
 
@@ -129,6 +129,7 @@ async function applyState(app, state, withView) {
   });
   app.exposure = state.exposure, app.ambient = state.ambient, app.black = state.black;
   app.show.cues = structuredClone(state.cues);
+  app.midi.bindings = {...state.midi};
   app.show.at = Math.min(app.show.at, app.show.cues.length - 1);
   app.select(app.projectors[clamp(state.selected, 0, app.projectors.length - 1)]);
   if (withView && app.scene.views[state.view]) {
@@ -136,7 +137,7 @@ async function applyState(app, state, withView) {
     app.pose = state.pose, app.target = state.target;
     state.projectors.forEach(({window: where}, i) => { if (where) app.projectors[i].window.where = where; });
   }
-  for (const what of ['content', 'device', 'settings', 'cues']) app.changed(what);
+  for (const what of ['content', 'device', 'settings', 'cues', 'midi']) app.changed(what);
   app.invalidate();
 }
 
@@ -276,7 +277,7 @@ async function checkState(app, plain) {
   if (!projectors.length) throw new Message('The stage has no projectors.');
   return {
     projectors, selected: number('selected', plain.selected, 0, PROJECTORS_MAX), exposure: number('exposure', plain.exposure, -20, 20),
-    ambient: plain.ambient !== false, black: number('black', plain.black || 0, 0, BLACK_MOST), cues: list('cues', plain.cues || [], CUES_MAX).map(checkCue),
+    ambient: plain.ambient !== false, black: number('black', plain.black || 0, 0, BLACK_MOST), cues: list('cues', plain.cues || [], CUES_MAX).map(checkCue), midi: checkBindings(plain.midi),
     view: number('view', plain.view, 0, 1e6), pose: checkDevice({...size, pose: plain.pose}, size).pose,
     target: list('target', plain.target, 3).map((x) => number('target', x, -1e9, 1e9)),
   };

@@ -26,6 +26,7 @@ class App {
     this.compensator = new Compensator(this.renderer);
     this.library = new Library(this);
     this.show = new Show(this);
+    this.midi = new Midi(this);
     this.up = this.findUp();
     this.exposure = 0, this.ambient = true, this.map = null;
     this.black = 0;           // the share of their white that dark projectors give

@@ -1,4 +1,4 @@
-// What another projector adds at the points that one lights, as a camera at u_watcher sees them; drawn once for each other,
+// The light that another projector adds at the points that one lights, as a camera at u_watcher sees them; drawn once for each other,
 // and added up. In light.glsl the camera is the one, the projector the other. shared_white of engine/apply/procams.c.
 uniform ivec2 u_corner; // of the tile that is drawn
 uniform vec3 u_watcher;

@@ -17,7 +17,7 @@ function checkCue(cue) {
 }
 
 class Show {
-  constructor(app) { this.app = app, this.cues = [], this.at = -1, this.armed = this.playing = false, this.started = 0; }
+  constructor(app) { this.app = app, this.cues = [], this.at = -1, this.armed = this.playing = false, this.started = 0, this.fade = null; } // fade: seconds of the next GO in place of its cue's
 
   // The projectors as they are now, for a cue.
   shown() {
@@ -66,8 +66,10 @@ class Show {
   // Fades to a cue, the next one unless another is given; after the last comes the first.
   async go(index = (this.at + 1) % this.cues.length) {
     const {app} = this, cue = this.cues[index];
-    if (!cue) throw new Message('There are no cues yet: show something, then add it as a cue.');
+    if (!cue) throw new Message(this.cues.length ? `There is no cue ${index + 1}.` : 'There are no cues yet: show something, then add it as a cue.');
     clearTimeout(this.timer);
+    const seconds = this.fade === null ? cue.fade : this.fade;
+    this.fade = null;
     const started = ++this.started, shown = await Promise.all(cue.shown.map((p, i) => layersOf(app, p.layers, app.projectors[i] && app.projectors[i].layers)));
     if (started !== this.started) return app.release(shown.flat().map((layer) => layer.source));
     if (app.scene.views[cue.pose]) app.jump(app.scene.views[cue.pose], true);
@@ -75,11 +77,18 @@ class Show {
       const projector = app.projectors[i], {correction, watcher} = cue.shown[i];
       if (!projector) return app.release(layers.map((layer) => layer.source));
       Object.assign(projector, {correction, watcher: app.scene.views[watcher] ? watcher : 'now'});
-      app.setLayers(layers, projector, cue.fade);
+      app.setLayers(layers, projector, seconds);
     });
     this.at = index, this.playing = cue.follow !== null;
-    if (this.playing) this.timer = setTimeout(attempt(() => this.go()), 1000 * Math.max(cue.fade + cue.follow, 0.1));
+    if (this.playing) this.timer = setTimeout(attempt(() => this.go()), 1000 * Math.max(seconds + cue.follow, 0.1));
     this.changed();
+  }
+
+  // The number of the cue of that name, from 0.
+  find(name) {
+    const at = this.cues.findIndex((cue) => cue.name.toLowerCase() === name.toLowerCase());
+    if (at < 0) throw new Message(`There is no cue "${name.slice(0, 80)}".`);
+    return at;
   }
 
   // No cue follows any more; what is shown stays.

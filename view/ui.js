@@ -148,7 +148,7 @@ function buildProjectors(app) {
   show();
 }
 
-// What the selected projector shows, and how it is corrected, on all: corrected, they share its light.
+// Gives all projectors the selected one's layers and correction: corrected, they share the light.
 function showEverywhere(app) {
   const {layers, correction, watcher, gain} = app.projector;
   for (const projector of app.projectors.filter((p) => p !== app.projector)) {
@@ -428,6 +428,7 @@ function buildPage(app) {
   buildSettings(app);
   buildCorrection(app);
   buildShow(app);
+  buildControl(app);
   buildSources(app);
   buildTools(app);
   buildPhotograph(app);

@@ -60,7 +60,7 @@ void ffp_procams_scale(FfpProCams *procams, real gain);
 // and the patterns have the rest. Before the targets are given.
 void ffp_procams_black_level(FfpProCams *procams, real black);
 
-// What a target asks for at least, so that the dark is even where several projectors overlap and beside it:
+// The least that targets ask for, which makes the dark even where several projectors overlap and beside it:
 // the darkness of the place that most projectors reach (one that less than a hundredth of the lit pixels
 // share does not count). The mean of what each projector's white would show alone, weighted by their
 // feathers, times black times that number, on what the camera sees with the projectors off. Raises targets to

@@ -36,6 +36,13 @@ static const FfpOption options[] = {
      .offset = offsetof(FfpStudioOptions, port),
      .high = 65535,
      .help = "port on this machine's loopback address. Default: 0, any that is free"},
+    {.name = "osc",
+     .argument = "[ADDRESS:]PORT",
+     .type = FFP_OPTION_TEXT,
+     .offset = offsetof(FfpStudioOptions, osc),
+     .help =
+         "also take OSC messages over UDP for the show (docs/guide/show.md lists them), such as 9000 on this "
+         "machine's loopback address, or 192.168.1.5:9000 from others, who then need no key. Default: none"},
     {0},
 };
 

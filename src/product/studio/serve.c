@@ -20,6 +20,10 @@
 #define REQUEST_MOST ((size_t)1 << 16)           // of any other body
 #define UPLOADS_MOST ((size_t)1 << 27)           // of all bodies that are on their way
 enum { CONNECTIONS_MOST = 2000, PATIENCE = 15 }; // seconds
+enum {
+    WAITING_MOST = 32,
+    WAIT = 10000
+}; // ms after which pages that wait for control are told that there is none
 
 // Permissions of the page to load and run things; the viewer, a page of its own, sits in a frame.
 static const char policy[] = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
@@ -29,12 +33,14 @@ static const char policy[] = "default-src 'none'; script-src 'unsafe-inline'; st
 typedef struct Request {
     char *body;
     size_t size, room, most;
-    bool refused;
+    bool refused, waited;
 } Request;
 
 typedef struct Server {
     FfpStudio *studio;
-    size_t uploading; // bytes; the server's one thread alone counts them
+    size_t uploading;                             // bytes; the server's one thread alone counts them
+    struct MHD_Connection *waiting[WAITING_MOST]; // for control from outside; with the lock
+    int n_waiting;
 } Server;
 
 // --- Answers. ---
@@ -160,14 +166,42 @@ static enum MHD_Result answer_file(FfpStudio *studio, struct MHD_Connection *con
     return answer(connection, MHD_HTTP_OK, response, type);
 }
 
+// --- Control from outside. ---
+
+// Answers as soon as there are messages; until then the connection sleeps.
+static enum MHD_Result answer_control(Server *server, struct MHD_Connection *connection, Request *request) {
+    FfpStudio *studio = server->studio;
+    const char *known = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "known");
+    const uint64_t number = known ? strtoull(known, NULL, 10) : UINT64_MAX;
+    pthread_mutex_lock(&studio->lock);
+    const bool sleeps = known && number == studio->controlled && studio->osc >= 0 && !request->waited &&
+                        !studio->closing && server->n_waiting < WAITING_MOST;
+    json_t *events = sleeps ? NULL : ffp_studio_controls(studio, number);
+    if (sleeps) {
+        request->waited = true;
+        MHD_suspend_connection(connection);
+        server->waiting[server->n_waiting++] = connection;
+    }
+    pthread_mutex_unlock(&studio->lock);
+    return sleeps ? MHD_YES : answer_json(connection, MHD_HTTP_OK, events);
+}
+
+// With the lock.
+static void wake(Server *server) {
+    for (int i = 0; i < server->n_waiting; i++) MHD_resume_connection(server->waiting[i]);
+    server->n_waiting = 0;
+}
+
 // --- Requests. ---
 
-static enum MHD_Result answer_get(Server *server, struct MHD_Connection *connection, const char *path) {
+static enum MHD_Result answer_get(Server *server, struct MHD_Connection *connection, const char *path,
+                                  Request *request) {
     FfpStudio *studio = server->studio;
     if (!*path) return answer_page(connection, ffp_page_studio, ffp_page_studio_size);
     if (strcmp(path, "projector") == 0)
         return answer_page(connection, ffp_page_projector, ffp_page_projector_size);
     if (strncmp(path, "file/", 5) == 0) return answer_file(studio, connection, path + 5);
+    if (strcmp(path, "control") == 0) return answer_control(server, connection, request);
     if (strcmp(path, "state") != 0)
         return answer_text(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
     const char *known = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "known");
@@ -263,7 +297,7 @@ static enum MHD_Result handle(void *argument, struct MHD_Connection *connection,
         return request->refused ? MHD_NO : MHD_YES; // closes the connection
     }
     const char *path = behind_key(server->studio, url);
-    return strcmp(method, "GET") == 0 ? answer_get(server, connection, path)
+    return strcmp(method, "GET") == 0 ? answer_get(server, connection, path, request)
                                       : answer_post(server, connection, path, request);
 }
 
@@ -317,12 +351,12 @@ static int listen_here(int *port) {
 }
 
 static struct MHD_Daemon *start(Server *server, int listening) {
-    return MHD_start_daemon(MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_EPOLL, 0, NULL, NULL, handle, server,
-                            MHD_OPTION_LISTEN_SOCKET, listening, MHD_OPTION_CONNECTION_LIMIT,
-                            (unsigned)CONNECTIONS_MOST, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)PATIENCE,
-                            MHD_OPTION_NOTIFY_COMPLETED, completed, server, MHD_OPTION_UNESCAPE_CALLBACK,
-                            keep_escapes, NULL, MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)1 << 15,
-                            MHD_OPTION_END);
+    return MHD_start_daemon(MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME, 0,
+                            NULL, NULL, handle, server, MHD_OPTION_LISTEN_SOCKET, listening,
+                            MHD_OPTION_CONNECTION_LIMIT, (unsigned)CONNECTIONS_MOST,
+                            MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)PATIENCE, MHD_OPTION_NOTIFY_COMPLETED,
+                            completed, server, MHD_OPTION_UNESCAPE_CALLBACK, keep_escapes, NULL,
+                            MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)1 << 15, MHD_OPTION_END);
 }
 
 // Without a browser to be found nothing is opened: the address is printed anyway.
@@ -339,15 +373,19 @@ static void open_browser(const char *address) {
 }
 
 // Until SIGINT or SIGTERM comes.
-static void wait_for_the_end(FfpStudio *studio, int signals) {
-    struct pollfd from[2] = {{.fd = signals, .events = POLLIN}, {.fd = studio->changes, .events = POLLIN}};
+static void wait_for_the_end(Server *server, int signals) {
+    FfpStudio *studio = server->studio;
+    struct pollfd from[3] = {{.fd = signals, .events = POLLIN},
+                             {.fd = studio->changes, .events = POLLIN},
+                             {.fd = studio->osc, .events = POLLIN}};
     for (;;) {
-        if (poll(from, 2, -1) < 0 && errno != EINTR) return;
+        if (poll(from, 3, studio->osc >= 0 ? WAIT : -1) < 0 && errno != EINTR) return;
         struct signalfd_siginfo which; // read, or it would come again at the end
         if (from[0].revents) return (void)!read(signals, &which, sizeof which);
-        if (!from[1].revents) continue;
         pthread_mutex_lock(&studio->lock);
-        ffp_studio_arrived(studio);
+        if (from[1].revents) ffp_studio_arrived(studio);
+        if (from[2].revents) ffp_studio_controlled(studio);
+        if (!from[1].revents || from[2].revents) wake(server); // messages have come, or the wait is over
         pthread_mutex_unlock(&studio->lock);
     }
 }
@@ -366,14 +404,16 @@ bool ffp_studio_serve(FfpStudio *studio, bool opens, char said[FFP_STUDIO_SAID])
     if (daemon) {
         snprintf(address, sizeof address, "http://127.0.0.1:%d/%s/", studio->port, studio->token);
         printf("%s: open %s (Ctrl-C ends the studio)\n", studio->folder, address);
+        if (studio->osc >= 0) printf("OSC messages over UDP: %s\n", studio->heard);
         fflush(stdout);
         if (opens) open_browser(address);
-        wait_for_the_end(studio, signals);
+        wait_for_the_end(&server, signals);
     } else {
         ffp_studio_say(said, "port %d of this machine cannot be served: %s", studio->port, strerror(errno));
     }
     pthread_mutex_lock(&studio->lock);
     studio->closing = true;
+    wake(&server);
     pthread_mutex_unlock(&studio->lock);
     if (daemon)
         MHD_stop_daemon(daemon); // closes the socket, too

@@ -41,6 +41,7 @@ static bool prepare(FfpStudio *studio, const FfpStudioOptions *options, char *sa
     if (studio->changes < 0) return ffp_studio_say(said, "folders cannot be watched: %s", strerror(errno));
     if (!open_folder(studio, options->folder, said) || !ffp_studio_load(studio, options->virtual_rig, said))
         return false;
+    if (options->osc && !ffp_studio_listen(studio, options->osc, said)) return false;
     const char *watched = ffp_studio_setting(studio, "watched", NULL);
     if (watched) ffp_studio_watch(studio, watched, studio->notice); // what is wrong with it the page shows
     return true;
@@ -51,13 +52,13 @@ bool ffp_studio_run(const FfpStudioOptions *options, char *error, size_t size) {
     FfpStudio *studio = calloc(1, sizeof *studio);
     bool ok = false;
     if (studio) {
-        studio->root = studio->lock_file = studio->changes = studio->watch = studio->shown = -1;
+        studio->root = studio->lock_file = studio->changes = studio->watch = studio->shown = studio->osc = -1;
         studio->port = options->port;
         pthread_mutex_init(&studio->lock, NULL);
         ok = prepare(studio, options, said) && ffp_studio_serve(studio, !options->stays_closed, said);
-        json_decref(studio->settings), json_decref(studio->listed);
-        const int open_files[] = {studio->root, studio->lock_file, studio->changes};
-        for (int i = 0; i < 3; i++)
+        json_decref(studio->settings), json_decref(studio->listed), json_decref(studio->controls);
+        const int open_files[] = {studio->root, studio->lock_file, studio->changes, studio->osc};
+        for (int i = 0; i < 4; i++)
             if (open_files[i] >= 0) close(open_files[i]);
         pthread_mutex_destroy(&studio->lock);
         free(studio);

@@ -12,6 +12,7 @@ typedef struct FfpStudioOptions {
     bool virtual_rig;   // for a new folder: the simulator's camera and projector
     bool stays_closed;  // the page is not opened in the user's browser
     int port;           // 0: any
+    const char *osc;    // [ADDRESS:]PORT for OSC messages over UDP; NULL: none are heard
 } FfpStudioOptions;
 
 // Serves until SIGINT or SIGTERM comes. Prints the page's address, which holds the key to it. False: what is

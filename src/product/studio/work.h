@@ -77,6 +77,10 @@ typedef struct FfpStudio {
                // none
     FfpStudioJob job, camera, eye; // what the user began; the virtual camera; what looks for the board
     bool closing;
+    int osc;             // the socket of control from outside; -1: none
+    char heard[80];      // its address and port
+    json_t *controls;    // the last messages
+    uint64_t controlled; // number of all that came
 } FfpStudio;
 
 // A new command of a job, which has its name already; its words follow.
@@ -212,6 +216,20 @@ bool ffp_studio_trial_step(FfpStudio *studio, const char *step, FfpStudioJob *jo
 
 bool ffp_studio_say(char said[FFP_STUDIO_SAID], const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+
+// --- Control from outside (control.c), with the lock. ---
+
+enum { FFP_STUDIO_CONTROLS = 256 }; // messages that are kept
+
+// Listens for OSC messages over UDP at "[ADDRESS:]PORT"; without an address on this machine's loopback one.
+bool ffp_studio_listen(FfpStudio *studio, const char *where, char said[FFP_STUDIO_SAID]);
+// Takes the packets that have come; what is not OSC is dropped.
+void ffp_studio_controlled(FfpStudio *studio);
+// {"osc": "127.0.0.1:9000" or null, "number": of all that came, "events": [{"address", "values"}] after
+// `known`}.
+json_t *ffp_studio_controls(const FfpStudio *studio, uint64_t known);
+// The messages of a packet, [{"address", "values"}]; NULL: one of them cannot be read, or there is no memory.
+json_t *ffp_studio_osc(const void *bytes, size_t size);
 
 // --- The server (serve.c). ---
 

@@ -16,6 +16,7 @@ import socket
 import struct
 import subprocess
 import sys
+import threading
 import time
 import zlib
 from pathlib import Path
@@ -515,6 +516,86 @@ def a_watched_folder(program, folder):
     studio.stop()
 
 
+# --- Control from outside. ---
+
+def osc(address, types=None, *values):
+    """A message of Open Sound Control 1.0; without types an old sender's."""
+    def text(value):
+        raw = value.encode() if isinstance(value, str) else value
+        return raw + b"\0" * (4 - len(raw) % 4)
+    formats = {"i": ">i", "f": ">f", "h": ">q", "d": ">d"}
+    body = [text(value) if kind == "s" else struct.pack(formats[kind], value) for kind, value in zip((types or "").replace("T", "").replace("F", ""), values)]
+    return text(address) + (b"" if types is None else text("," + types)) + b"".join(body)
+
+
+def bundle(*elements):
+    return b"#bundle\0" + struct.pack(">Q", 1) + b"".join(struct.pack(">I", len(e)) + e for e in elements)
+
+
+def control_from_outside(program, folder, seconds):
+    free = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    free.bind(("127.0.0.1", 0))
+    port = free.getsockname()[1]
+    for wrong in ("", "nowhere", "0", "70000", "localhost:9000", ":9000", "1.2.3.4.5:9000", f"127.0.0.1:{port}"):  # the last one is taken
+        assert "--osc" in Studio(program, folder, "--osc", wrong).error, wrong
+    silent = Studio(program, folder)
+    assert json.loads(silent.ask("GET", "control")[1]) == {"osc": None, "number": 0, "events": []}
+    assert json.loads(silent.ask("GET", "control?known=0")[1])["osc"] is None  # at once
+    silent.stop()
+    free.close()
+    studio = Studio(program, folder, "--osc", str(port))
+    with open("/proc/net/udp", encoding="ascii") as file:  # 0100007F: 127.0.0.1
+        assert any(f" 0100007F:{port:04X} " in line for line in file) and f" 00000000:{port:04X} " not in Path("/proc/net/udp").read_text()
+    sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    send = lambda packet: sender.sendto(packet, ("127.0.0.1", port))
+    asked = lambda known: json.loads(studio.ask("GET", f"control?known={known}")[1])
+    send(osc("/go"))
+    assert asked(0) == {"osc": f"127.0.0.1:{port}", "number": 1, "events": [{"address": "/go", "values": []}]}
+    began = time.monotonic()
+    def late():
+        time.sleep(0.4)
+        send(osc("/projector/1/layer/2/opacity", "f", 0.25))
+    helper = threading.Thread(target=late)
+    helper.start()
+    answer, waited = asked(1), time.monotonic() - began
+    helper.join()
+    assert answer["events"] == [{"address": "/projector/1/layer/2/opacity", "values": [0.25]}] and 0.3 < waited < 2, (answer, waited)
+    send(osc("/cue", "sTFihd", "Ende \u00e4", 7, -(1 << 40), 0.5))
+    assert asked(2)["events"] == [{"address": "/cue", "values": ["Ende \u00e4", True, False, 7, -(1 << 40), 0.5]}]
+    send(bundle(osc("/a"), bundle(osc("/b", "i", 1)), osc("/c", "")))
+    assert [event["address"] for event in asked(3)["events"]] == ["/a", "/b", "/c"]
+
+    good, deep = osc("/go", "i", 1), osc("/x")
+    for _ in range(6):
+        deep = bundle(deep)
+    bad = [b"", b"\0" * 4, b"/go", b"/go\0,i\0\0", b"/go\0,i\0\0\0\0", b"/go\0,\1\0\0", b"/go\1" * 900, b"/" * 4096, b"/go\0" * 5000, good + b"\0\0\0\0", good[:-4], good[:-1],
+           osc("/go", "f", float("nan")), osc("/go", "d", float("inf")), osc("/go", "s", b"\xff\xfe"), osc("/go", "s", "x" * 401), osc("/" + "x" * 200), osc("/g*"), osc("/go\n"),
+           osc("go"), osc("/go", "i" * 17, *range(17)), osc("/go", "b") + struct.pack(">I", 0xffffffff), b"/go\0xyz\0", b"/a\0z,\0\0\0", deep, b"#bundle\0", b"#bundlf\0" + bytes(8),
+           b"#bundle\0" + bytes(8) + struct.pack(">I", 0xfffffffc) + good, bundle(good)[:-4], bundle(good, b"\0\0\0\0"), bundle(good) + b"\0\0\0\1", bytes(65000)]
+    for packet in bad:
+        send(packet)
+    send(osc("/end"))
+    assert [event["address"] for event in asked(6)["events"]] == ["/end"]
+
+    rng, until, count, before = random.Random(55), time.monotonic() + seconds, 0, studio.memory()
+    while time.monotonic() < until:  # mangled
+        packet = bytearray(rng.choice((good, deep, bundle(good, osc("/cue", "s", "one"), osc("/y", "dh", 1.0, 2)))))
+        for _ in range(rng.randrange(1, 6)):
+            packet[rng.randrange(len(packet))] = rng.choice((0, 1, 4, 44, 47, 127, 128, 255, rng.randrange(256)))
+        send(bytes(packet[:rng.choice((len(packet), rng.randrange(len(packet) + 1)))]))
+        count += 1
+    answer = json.loads(studio.ask("GET", "control?known=0")[1])
+    assert len(answer["events"]) <= 256 and studio.memory() < before + 20, (len(answer["events"]), studio.memory() - before)
+    link = socket.create_connection(("127.0.0.1", studio.port))  # one that waits does not keep the studio from its end
+    link.sendall(f"GET /{studio.key}/control?known={answer['number']} HTTP/1.1\r\nHost: 127.0.0.1:{studio.port}\r\n\r\n".encode())
+    time.sleep(0.2)
+    began = time.monotonic()
+    studio.stop()
+    assert time.monotonic() - began < 5
+    link.close()
+    return len(bad), count
+
+
 def main():
     program, folder = os.path.abspath(sys.argv[1]), Path(sys.argv[2])
     seconds = float(sys.argv[3]) if len(sys.argv) > 3 else 2.0
@@ -544,6 +625,7 @@ def main():
     studio.stop()
     damaged_settings(program, rig)
     a_watched_folder(program, folder / "watched")
+    print("%d wrong and %d mangled OSC packets" % control_from_outside(program, folder / "control", seconds))
     return 0
 
 

@@ -12,6 +12,7 @@ import os
 import re
 import resource
 import shutil
+import socket
 import subprocess
 import sys
 import threading
@@ -159,7 +160,10 @@ def go_through(page, folder, pictures):
 
 def go_without_board(program, found, folder, pictures):
     """From nothing to the relit object by the codes on it alone."""
-    studio, page, began = Studio(program, folder, "--virtual"), Page(found, 1400, 900), time.monotonic()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    studio, page, began = Studio(program, folder, "--virtual", "--osc", str(port)), Page(found, 1400, 900), time.monotonic()
     try:
         page.start(studio.url)
         page.shots(pictures, "rig-alone")
@@ -173,12 +177,26 @@ def go_without_board(program, found, folder, pictures):
         page.click("#make")
         page.wait("!document.getElementById('look').hidden && !!document.getElementById('viewer').contentWindow.ready", LONG)
         seconds = time.monotonic() - began
+        controlled(page, port)
         compared_now(page)
         assert not page.said, page.said
     finally:
         page.close()
         studio.stop()
     return seconds
+
+
+def controlled(page, port):
+    """OSC messages reach the viewer in the page."""
+    viewer, took = "document.getElementById('viewer').contentWindow.viewer", []
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        for packet, dark in ((b"/blackout\0\0\0,i\0\0\0\0\0\1", "true"), (b"/blackout\0\0\0,\0\0\0", "false")):
+            page.wait("/127.0.0.1/.test(document.getElementById('viewer').contentWindow.document.getElementById('osc').textContent)")
+            began = time.monotonic()
+            sender.sendto(packet, ("127.0.0.1", port))
+            page.wait(f"{viewer}.dark === {dark}")
+            took.append(time.monotonic() - began)
+    print(f"OSC: blackout after {took[0]:.2f} s, light after {took[1]:.2f}")
 
 
 def compared_now(page):

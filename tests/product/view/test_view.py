@@ -719,6 +719,32 @@ def check_cues(check, page):
     page.set("correction", "none")
 
 
+def check_midi(check, page):
+    """A fake MIDI device: a pad and a fader learn what they do, which the stage keeps."""
+    page.run("""window.device = {name: 'fake', onmidimessage: null}; window.play = (...data) => device.onmidimessage({data: Uint8Array.from(data)});
+        Object.defineProperty(navigator, 'requestMIDIAccess', {configurable: true, value: async () => ({inputs: new Map([['1', device]]), onstatechange: null})});
+        viewer.show.cues = [], viewer.show.add(), viewer.show.add(), viewer.show.at = -1, viewer.show.cues.forEach((cue) => { cue.fade = 0; }), viewer.changed('cues'); true""")
+    for address, data in (("/go", "0x90, 36, 100"), ("/projector/1/layer/1/opacity", "0xb0, 7, 64"), ("/blackout", "0x90, 37, 1")):
+        page.run(f"document.getElementById('learn-address').value = {address!r}; true")
+        page.click("#learn")
+        page.wait("!!viewer.midi.learns && !!device.onmidimessage")
+        page.run(f"play(0xf8), play({data}), true")
+    learned = page.run("[viewer.midi.learns, viewer.show.at, JSON.stringify(viewer.midi.bindings), document.querySelectorAll('#bindings li').length]")
+    check("MIDI controls learn", learned == [None, -1, '{"note 1 36":"/go","control 1 7":"/projector/1/layer/1/opacity","note 1 37":"/blackout"}', 3], f"{learned}")
+    page.run("play(0x90, 36, 100), play(0x80, 36, 0), true")
+    page.wait("viewer.show.at === 0")
+    page.run("play(0x90, 36, 9), play(0x90, 36, 0), true")
+    page.wait("viewer.show.at === 1")
+    page.run("play(0xb0, 7, 0), idle()")
+    dark = page.run("[viewer.projector.layer.place.opacity, ...viewer.projector.context.getImageData(9, 9, 1, 1).data]")
+    page.run("play(0xb0, 7, 127), play(0x90, 37, 1), play(0x90, 37, 0), idle()")
+    check("a pad goes on, a fader fades, a key blacks out", dark[0] == 0 and max(dark[1:4]) == 0 and page.run("[viewer.projector.layer.place.opacity, viewer.dark]") == [1, True], f"{dark}")
+    same = page.run("""(async () => { blackout(viewer, false); const text = await stageText(viewer); viewer.midi.bindings = {};
+        await loadStage(viewer, text); return JSON.stringify(viewer.midi.bindings); })()""")
+    check("a stage keeps what MIDI controls do", same == learned[2], same)
+    page.run("delete navigator.requestMIDIAccess; document.querySelectorAll('#bindings button').forEach((b) => b.click()); viewer.midi.access = null, viewer.show.cues = [], viewer.changed('cues'); true")
+
+
 def check_letters(check, page, folder):
     """Around a corrected logo with alpha the pattern is black: nothing grows beyond its edge."""
     page.run("viewer.jump(viewer.scene.views[0], true); true")
@@ -1221,6 +1247,7 @@ def main():
             check_undo(check, page)
             check_place(check, page)
             check_cues(check, page)
+            check_midi(check, page)
             check_letters(check, page, folder)
             check_touch(check, page, folder)
             check_same_ids(check, page, path, scratch)

@@ -1,0 +1,53 @@
+'use strict';
+// Control from outside: which addresses there are, what their values become, MIDI messages. Run by node.
+const assert = require('assert'), fs = require('fs'), path = require('path'), vm = require('vm');
+
+const sandbox = {attempt: (work) => work};
+vm.createContext(sandbox);
+vm.runInContext(fs.readFileSync(path.join(__dirname, '../../../view/control.js'), 'utf8') +
+                '\nglobalThis.api = {CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, BINDINGS_MAX};', sandbox);
+const {CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, BINDINGS_MAX} = sandbox.api;
+const plain = (value) => JSON.parse(JSON.stringify(value === undefined ? null : value)); // objects of this realm
+const same = (a, b) => assert.deepStrictEqual(plain(a), b);
+
+// Every control does something, and nothing else does.
+same(Object.keys(CONTROLS).sort(), Object.keys(DOES).sort());
+
+same(controlAt('/projector/2/layer/13/opacity'), {path: '/projector/#/layer/#/opacity', numbers: [1, 12], kind: [0, 1]});
+for (const wrong of ['', '/', 'go', '/go/', '/go/1', '/cue/0', '/cue/01', '/cue/-1', '/cue/1.5', '/cue/99999', '/projector/#/on', '/projector/1/layer/x/opacity',
+  '/constructor', '/__proto__', '/toString', null, undefined, {}]) same(controlAt(wrong), null);
+
+// Presses act once, not on release; switches know both states or turn; ranges are held.
+same(readControl('/go', []), {path: '/go', numbers: [], value: true});
+same(readControl('/go', [1]).value, true);
+same(readControl('/go', [0]), null);
+same(readControl('/go', [false]), null);
+same(readControl('/cue/3', [1]), {path: '/cue/#', numbers: [2], value: true});
+same(readControl('/cue', ['Act 1']).value, 'Act 1');
+same(readControl('/cue', [2]).value, 2);
+for (const wrong of [[], [1.5], [true], [null]]) same(readControl('/cue', wrong), null);
+same([[], [1], [0], [true], [false]].map((values) => readControl('/blackout', values).value), [null, true, false, true, false]);
+same([[0.25], [7], [-7]].map((values) => readControl('/projector/1/layer/1/opacity', values).value), [0.25, 1, 0]);
+for (const wrong of [[], ['1'], [NaN], [Infinity], [null], [[0.5]]]) same(readControl('/projector/1/layer/1/opacity', wrong), null);
+
+// MIDI 1.0, table of channel messages.
+same(readMidi([0x90, 60, 127]), {key: 'note 1 60', share: 1});
+same(readMidi([0x9f, 60, 0]), {key: 'note 16 60', share: 0});
+same(readMidi([0x82, 60, 64]), {key: 'note 3 60', share: 0});
+same(readMidi([0xb0, 7, 127]), {key: 'control 1 7', share: 1});
+same(readMidi([0xc1, 5]), {key: 'program 2 5', share: 1});
+same(readMidi([0xe0, 127, 127]), {key: 'bend 1', share: 1});
+for (const other of [[0xf8], [0xf0, 1, 2], [0xa0, 60, 1], [0x30, 1, 1]]) same(readMidi(other), null);
+
+const fader = (share) => ({key: 'control 1 7', share}), pad = (share) => ({key: 'note 1 36', share});
+same(valuesOfMidi('/projector/1/layer/1/turn', fader(0.75)), [90]);
+same(valuesOfMidi('/blackout', fader(0.2)), [false]);
+same([pad(0.3), pad(0)].map((heard) => valuesOfMidi('/blackout', heard)), [[], null]);
+same([pad(0.3), pad(0)].map((heard) => readControl('/go', valuesOfMidi('/go', heard))), [{path: '/go', numbers: [], value: true}, null]);
+same(valuesOfMidi('/nothing', pad(1)), null);
+
+// From a stage that somebody else wrote.
+same(checkBindings({'note 1 60': '/go', 'bend 2': '/fade', 'note 1 60; x': '/go', 'control 1 7': '/nothing', 'program 1 2': null}), {'note 1 60': '/go', 'bend 2': '/fade'});
+for (const wrong of [null, undefined, 3, 'note', []]) same(checkBindings(wrong), {});
+same(Object.keys(checkBindings(Object.fromEntries(Array.from({length: 999}, (_, i) => [`note 1 ${i}`, '/go'])))).length, BINDINGS_MAX);
+console.log('control: all passed');

@@ -1,0 +1,197 @@
+'use strict';
+// Control from outside: addresses with values, as OSC messages and MIDI controls ask for them. No document, no drawing, down
+// to applyControl: tests run it alone.
+
+// '#' stands for a number from 1. A press acts on any value but 0, a switch takes 0 and 1 (none: the other state), a
+// range its numbers; of '/cue' the value is a name or a number. MIDI's values span a range.
+const CONTROLS = {
+  '/go': 'press', '/hold': 'press', '/back': 'press', '/cue': 'cue', '/cue/#': 'press', '/fade': [0, 60], '/blackout': 'switch', '/test': 'switch',
+  '/projector/#/on': 'switch', '/projector/#/brightness': [-4, 4], '/projector/#/gain': [-4, 4], '/projector/#/layer/#/opacity': [0, 1],
+  '/projector/#/layer/#/x': [-1, 1], '/projector/#/layer/#/y': [-1, 1], '/projector/#/layer/#/scale': [0.05, 4],
+  '/projector/#/layer/#/turn': [-180, 180], '/projector/#/layer/#/volume': [0, 1], '/projector/#/layer/#/play': 'switch',
+};
+const BINDINGS_MAX = 200;
+
+// {path, numbers, kind} of an address, numbers counted from 0; null: there is no such control.
+function controlAt(address) {
+  const numbers = [], path = String(address).replace(/\/([1-9][0-9]{0,3})(?=\/|$)/g, (_, n) => { numbers.push(n - 1); return '/#'; });
+  return Object.hasOwn(CONTROLS, path) && numbers.length === path.split('#').length - 1 ? {path, numbers, kind: CONTROLS[path]} : null;
+}
+
+// The request of a message: {path, numbers, value}; null: none, as when a button is released.
+function readControl(address, values) {
+  const found = controlAt(address), [given] = values || [];
+  if (!found) return null;
+  const {path, numbers, kind} = found, pressed = given === undefined || (given !== 0 && given !== false);
+  if (kind === 'press') return pressed ? {path, numbers, value: true} : null;
+  if (kind === 'switch') return {path, numbers, value: given === undefined ? null : pressed};
+  if (kind === 'cue') return typeof given === 'string' || Number.isInteger(given) ? {path, numbers, value: given} : null;
+  return Number.isFinite(given) ? {path, numbers, value: Math.min(Math.max(given, kind[0]), kind[1])} : null;
+}
+
+// A MIDI message, bytes, as {key, share}: the control's name and its value from 0 to 1; null: clocks and the like.
+function readMidi([status, first, second = 0]) {
+  const channel = (status & 15) + 1, data = [first & 127, second & 127];
+  switch (status & 0xf0) {
+  case 0x80: return {key: `note ${channel} ${data[0]}`, share: 0};
+  case 0x90: return {key: `note ${channel} ${data[0]}`, share: data[1] / 127};
+  case 0xb0: return {key: `control ${channel} ${data[0]}`, share: data[1] / 127};
+  case 0xc0: return {key: `program ${channel} ${data[0]}`, share: 1};
+  case 0xe0: return {key: `bend ${channel}`, share: (data[0] + 128 * data[1]) / 16383};
+  default: return null;
+  }
+}
+
+// The values that a MIDI control sends to an address. Keys and pads turn a switch when they are pressed, faders set it.
+function valuesOfMidi(address, {key, share}) {
+  const found = controlAt(address), fader = /^(control|bend)/.test(key);
+  if (!found) return null;
+  if (Array.isArray(found.kind)) return [found.kind[0] + share * (found.kind[1] - found.kind[0])];
+  if (found.kind === 'switch') return fader ? [share >= 0.5] : share > 0 ? [] : null;
+  return [fader ? share >= 0.5 : share > 0];
+}
+
+function checkBindings(bindings) {
+  const checked = {};
+  for (const [key, address] of Object.entries(bindings || {}).slice(0, BINDINGS_MAX))
+    if (/^(note|control|program) [0-9]{1,2} [0-9]{1,3}$|^bend [0-9]{1,2}$/.test(key) && controlAt(address)) checked[key] = String(address);
+  return checked;
+}
+
+// --- What the controls do. ---
+
+function turnLayer(app, [p, l], work) {
+  const projector = app.projectors[p], layer = projector && projector.layers[l];
+  if (!layer) return;
+  work(layer);
+  app.endComparison(projector);
+  projector.dirty = true;
+  app.invalidate(true);
+  app.changed('layers');
+}
+const place = (change) => (app, numbers, value) => turnLayer(app, numbers, (layer) => { layer.place = {...layer.place, ...change(value)}; });
+const onProjector = (change) => (app, [p], value) => {
+  if (!app.projectors[p]) return;
+  change(app.projectors[p], value);
+  app.projectors[p].window.stale = true;
+  app.invalidate();
+  app.changed('projector');
+};
+
+const DOES = {
+  '/go': (app) => app.show.go(), '/hold': (app) => app.show.stop(), '/back': (app) => app.show.go(Math.max(0, app.show.at - 1)),
+  '/cue': (app, _, value) => app.show.go(typeof value === 'string' ? app.show.find(value) : value - 1), '/cue/#': (app, [n]) => app.show.go(n),
+  '/fade': (app, _, value) => { app.show.fade = value; },
+  '/blackout': (app, _, value) => blackout(app, value === null ? !app.dark : value),
+  '/test': (app, _, value) => { if (value === null || value !== app.test) testPicture(app); },
+  '/projector/#/on': onProjector((p, on) => { p.on = on === null ? !p.on : on; }),
+  '/projector/#/brightness': onProjector((p, stops) => { p.stops = stops; }), '/projector/#/gain': onProjector((p, gain) => { p.gain = gain; }),
+  '/projector/#/layer/#/opacity': place((opacity) => ({opacity})), '/projector/#/layer/#/x': place((x) => ({x})), '/projector/#/layer/#/y': place((y) => ({y})),
+  '/projector/#/layer/#/scale': place((scale) => ({width: scale, height: scale})), '/projector/#/layer/#/turn': place((turn) => ({turn})),
+  '/projector/#/layer/#/volume': (app, numbers, volume) => turnLayer(app, numbers, (layer) => { layer.film = {...layer.film, volume}; }),
+  '/projector/#/layer/#/play': (app, numbers, on) => turnLayer(app, numbers, ({source}) => { if (source.toggle && (on === null || on !== source.live)) source.toggle(); }),
+};
+
+// Several changes that come at once are one step of undo.
+const applyControl = attempt(async (app, address, values) => {
+  const asked = readControl(address, values);
+  if (!asked) return;
+  await DOES[asked.path](app, asked.numbers, asked.value);
+  clearTimeout(app.controlled);
+  app.controlled = setTimeout(() => app.history.note(), 500);
+});
+
+// OSC messages, which the studio receives: asked for again as soon as an answer comes, which waits until there are some.
+async function followStudio(app) {
+  const studio = /^(\/[0-9a-f]{32}\/)file\//.exec(location.pathname);
+  if (!studio || !/^https?:$/.test(location.protocol)) return;
+  for (let known = null, failed = 0; failed < 30;) {
+    const began = performance.now();
+    try {
+      const answer = await (await fetch(`${studio[1]}control${known === null ? '' : `?known=${known}`}`)).json();
+      if (!answer.osc) return;
+      if (known === null) $('osc').textContent = `OSC: ${answer.osc}`;
+      for (const {address, values} of answer.events) await applyControl(app, address, values);
+      known = answer.number, failed = 0;
+      if (answer.events.length || performance.now() - began > 100) continue;
+    } catch {
+      failed++; // the studio has ended, or begins again
+    }
+    await new Promise((done) => setTimeout(done, failed ? 1000 : 100));
+  }
+}
+
+// --- MIDI. ---
+
+class Midi {
+  constructor(app) { this.app = app, this.bindings = {}, this.learns = null, this.access = null; }
+
+  async open() {
+    if (this.access) return;
+    if (!navigator.requestMIDIAccess) throw new Message('This browser has no MIDI. Chromium, Edge and Firefox have it.');
+    this.access = await navigator.requestMIDIAccess().catch((error) => { throw new Message(`MIDI cannot be used: ${error.message || error.name}.`); });
+    const listen = () => { for (const input of this.access.inputs.values()) input.onmidimessage = ({data}) => this.hear(data); };
+    this.access.onstatechange = () => { listen(); this.app.changed('midi'); };
+    listen();
+  }
+
+  // The next control that is moved will be this address'.
+  async learn(address) {
+    await this.open();
+    this.learns = address;
+    say(this.access.inputs.size ? 'Move the control, or press the key, that is to do this.' : 'No MIDI device is connected yet: plug one in, then move its control.');
+    this.app.changed('midi');
+  }
+
+  hear(data) {
+    const heard = readMidi(data);
+    if (!heard) return;
+    if (this.learns) {
+      if (!heard.share) return;
+      if (Object.keys(this.bindings).length < BINDINGS_MAX) this.bindings = {...this.bindings, [heard.key]: this.learns};
+      this.learns = null;
+      this.app.changed('midi');
+      this.app.history.note();
+      return;
+    }
+    const address = this.bindings[heard.key], values = address && valuesOfMidi(address, heard);
+    if (values) applyControl(this.app, address, values);
+  }
+
+  forget(key) {
+    const {[key]: _, ...rest} = this.bindings;
+    this.bindings = rest;
+    this.app.changed('midi');
+  }
+}
+
+// All addresses that there are now, for the list to learn from.
+function addressesOf(app) {
+  const each = (path) => path === '/cue/#' ? app.show.cues.map((_, i) => `/cue/${i + 1}`)
+    : app.projectors.flatMap((p, i) => path.includes('layer') ? p.layers.map((_, l) => path.replace('#', i + 1).replace('#', l + 1)) : [path.replace('#', i + 1)]);
+  return Object.keys(CONTROLS).filter((path) => path !== '/cue').flatMap((path) => path.includes('#') ? each(path) : [path]);
+}
+
+function buildControl(app) {
+  const {midi} = app, refresh = (what) => {
+    if (what === 'drawn') return;
+    const addresses = addressesOf(app), select = $('learn-address');
+    if (select.dataset.shown !== addresses.join()) {
+      const before = select.value;
+      select.dataset.shown = addresses.join();
+      select.replaceChildren(...addresses.map((address) => element('option', {value: address, textContent: address})));
+      if (addresses.includes(before)) select.value = before;
+    }
+    $('learn').textContent = midi.learns ? 'Listening…' : 'Learn';
+    if (what && what !== 'midi') return;
+    $('bindings').replaceChildren(...Object.entries(midi.bindings).map(([key, address]) => {
+      const remove = element('button', {textContent: '×', className: 'small', title: `Forget ${key}`, onclick: () => { midi.forget(key); app.history.note(); }});
+      remove.setAttribute('aria-label', remove.title);
+      return element('li', {className: 'row'}, [element('span', {textContent: `${key}: ${address}`}), element('span', {className: 'push'}), remove]);
+    }));
+  };
+  $('learn').onclick = attempt(() => midi.learn($('learn-address').value));
+  app.listeners.push(refresh);
+  refresh();
+  followStudio(app);
+}
