@@ -265,19 +265,22 @@ typedef struct FfpAlignmentStats {
     // units; means over the views.
     bool known;
     double camera_turned, camera_moved, projector_turned, projector_moved;
+    // The mean distances between where the surface was and is in the camera's and in the projector's
+    // pictures, pixels.
+    double camera_pixels, projector_pixels;
 } FfpAlignmentStats;
 typedef struct FfpAlignment {
     size_t size;         // set by ffp_alignment_defaults
     const char *pattern; // name of the structured-light pattern to use; NULL: the first that every view has
     bool focal_lengths;  // also correct those of camera and projector, by the same factors in all views
     // The object as it is known, in the capture's world: each view's camera and projector are found again by
-    // it, from that view's photographs alone, so one view is enough. Not with focal_lengths; `pattern` is
-    // ignored. NULL: the poses are found from what the views have in common.
+    // it, from that view's photographs alone (under `pattern` alone, if it is named), so one view is enough.
+    // Not with focal_lengths. NULL: the poses are found from what the views have in common.
     const FfpGaussians *gaussians;
 } FfpAlignment;
 FFP_DEFAULTS(FfpAlignment, ffp_alignment_defaults) // only poses
 // Corrects the poses of all cameras and projectors from the photographs, in place. Takes as long as about 75
-// projector matchings, or with Gaussians as some 600 drawings of each view. `stats` may be NULL.
+// projector matchings, or with Gaussians as some 200 drawings of each view. `stats` may be NULL.
 FFP_API bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const FfpAlignment *options,
                              FfpAlignmentStats *stats, FfpError *err);
 

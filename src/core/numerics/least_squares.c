@@ -69,9 +69,13 @@ static double cost_of(const Fit *fit, const double *differences) {
     return sum;
 }
 
-// Central differences; 0 where either side has none.
+// The derivatives, or central differences, 0 where either side has none.
 static void differentiate(const Fit *fit) {
     const FfpLeastSquares *p = fit->problem;
+    if (p->slopes) {
+        p->slopes(p->state, fit->slopes);
+        return;
+    }
     memset(fit->by, 0, (size_t)p->numbers * sizeof *fit->by);
     for (int k = 0; k < p->numbers; k++) {
         double *slope = fit->slopes + (size_t)k * (size_t)p->count;

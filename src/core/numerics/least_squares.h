@@ -18,7 +18,9 @@ typedef struct FfpLeastSquares {
     // The cost of the differences and, for iteratively reweighted least squares, the weight of each, 0 for
     // those to ignore. NULL: the sum of squares.
     double (*weigh)(const void *state, const double *differences, double *weights);
-    const double *step; // [numbers] of the numeric derivatives, either way
+    // Their derivatives [numbers,count] at the state; NULL: central differences.
+    void (*slopes)(const void *state, double *out);
+    const double *step; // [numbers] of the central differences, either way
     int steps;          // at most
     double worth;       // the share by which a step must lower the cost for another to follow
 } FfpLeastSquares;

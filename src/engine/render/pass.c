@@ -174,12 +174,24 @@ FfpImage ffp_view_pass_picture_new(const FfpViewPass *pass) {
     return ffp_image_new(pass->linear.width, pass->linear.height, 3);
 }
 
+static void light(FfpViewPass *pass) {
+    if (pass->lit) return;
+    ffp_light(&pass->samples, &pass->mapping, &pass->camera, &pass->projector, &pass->transport);
+    pass->lit = true;
+}
+
+void ffp_view_pass_shift(FfpViewPass *pass, real x, real y) {
+    const ptrdiff_t samples = (ptrdiff_t)pass->transport.width * pass->transport.height;
+    light(pass);
+    for (ptrdiff_t i = 0; i < samples; i++) {
+        pass->transport.uv[2 * i] += x;
+        pass->transport.uv[2 * i + 1] += y;
+    }
+}
+
 void ffp_view_pass_radiance(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
                             FfpImage *linear) {
-    if (pattern && !pass->lit) {
-        ffp_light(&pass->samples, &pass->mapping, &pass->camera, &pass->projector, &pass->transport);
-        pass->lit = true;
-    }
+    if (pattern) light(pass);
     if (pattern && !pattern->plain) pass->looked = pattern;
     ffp_shade(&pass->mean, &pass->mapping, &pass->transport, intensity, pattern, linear);
 }

@@ -17,7 +17,16 @@ typedef struct Call {
 static bool work(void *argument, FfpError *err) {
     const Call *call = argument;
     if (call->options->gaussians) {
-        ffp_registration_run(call->capture, call->options->gaussians, call->stats);
+        const char *name = call->options->pattern;
+        const int pattern = name ? ffp_capture_find_pattern(call->capture, name) : -1;
+        if (name && pattern < 0)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, call->capture->folder, "no pattern is called \"%s\"",
+                            name);
+        for (int v = 0; pattern >= 0 && v < call->capture->n_views; v++)
+            if (!call->capture->views[v].images[pattern].data)
+                return ffp_fail(err, FFP_ERROR_ARGUMENT, call->capture->views[v].id,
+                                "has no photograph under \"%s\"", name);
+        ffp_registration_run(call->capture, call->options->gaussians, pattern, call->stats);
         return true;
     }
     return ffp_alignment_run(call->capture, call->options, call->stats, err);

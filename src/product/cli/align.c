@@ -7,12 +7,13 @@ typedef struct Arguments {
 } Arguments;
 
 static void tell_known(const char *output, const FfpAlignmentStats *stats) {
-    printf("camera      rotated by %.3f degrees and moved by %.4g (means over the views)\n"
-           "projector   rotated by %.3f degrees and moved by %.4g\n"
+    printf("camera      rotated by %.3f degrees and moved by %.4g: %.2f pixels (means over the views)\n"
+           "projector   rotated by %.3f degrees and moved by %.4g: %.2f pixels\n"
            "pictures    drawn and photographed values differ by %.4f (%.4f before)\n"
            "%s: aligned in %.1f s\n",
-           stats->camera_turned, stats->camera_moved, stats->projector_turned, stats->projector_moved,
-           stats->after, stats->before, output, stats->seconds);
+           stats->camera_turned, stats->camera_moved, stats->camera_pixels, stats->projector_turned,
+           stats->projector_moved, stats->projector_pixels, stats->after, stats->before, output,
+           stats->seconds);
 }
 
 static void tell(const char *output, const FfpAlignmentStats *stats) {
@@ -74,7 +75,9 @@ static const FfpOption options[] = {
      .argument = "NAME",
      .type = FFP_OPTION_TEXT,
      .offset = offsetof(Arguments, options.pattern),
-     .help = "the structured-light pattern to align by. Default: as for `reconstruct`"},
+     .help = "the structured-light pattern to align by (default: as for `reconstruct`); with --gaussians the "
+             "picture "
+             "whose photograph is looked at, which may be any (default: all photographs)"},
     {.name = "gaussians",
      .letter = 'g',
      .argument = "FILE.ply",
