@@ -366,7 +366,7 @@ $('evaluate').addEventListener('click', () => runStep('evaluate'));
 
 // --- What works, and the shell. ---
 
-const WORK = {patterns: 'Drawing the patterns', calibrate: 'Calibrating', make: 'Making the capture, and reconstructing', evaluate: 'Comparing', now: 'Comparing with the photographs of now', register: 'Finding camera and projector again'};
+const WORK = {patterns: 'Drawing the patterns', calibrate: 'Calibrating', make: 'Making the capture, and reconstructing', evaluate: 'Comparing', now: 'Comparing with the photographs of now', register: 'Finding camera and projector again', watch: 'Keeping watch'};
 let before = '';
 
 function drawWork(state) {

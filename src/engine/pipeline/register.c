@@ -13,9 +13,12 @@
 
 enum { NUMBERS = 12, SMALLEST = 32 }; // of both devices; width of the smallest pictures, pixels
 enum { STEPS = 20 };                  // at most, of each size of pictures
+enum { SEARCHED = 128 };              // pictures that are less wide are searched for it
 enum { MOST_PIXELS = 1 << 18 };       // of the largest: more tell no more of two poses, and take memory
 #define PROBE 0.5                     // of the pattern's derivative, camera pixels
-#define WORTH 1e-3                    // share of the cost that a step must save for another
+#define SEARCH 0.1 // how far the light is looked for, share of the pattern's width, each way
+#define BETTER 0.9 // of the cost, at most, for what was found there
+#define WORTH 1e-3 // share of the cost that a step must save for another
 
 // One view in pictures of one size.
 typedef struct Fit {
@@ -218,6 +221,44 @@ static void fit_close(Fit *fit) {
     ffp_view_reduced_free(&fit->view, fit->capture->n_patterns);
 }
 
+static double cost_of_light(const Fit *fit, FfpImage *picture) {
+    double sum = 0;
+    for (int p = 0; p < fit->capture->n_patterns; p++) {
+        const FfpImage *photograph = &fit->view.images[p];
+        if (!photograph->data || p == fit->capture->black || fit->light[p].plain) continue;
+        ffp_view_pass_shade(fit->pass, fit->capture->intensity, &fit->light[p], picture);
+        for (ptrdiff_t i = 0; i < (ptrdiff_t)3 * picture->width * picture->height; i++) {
+            const double apart = (double)(picture->data[i] - photograph->data[i]);
+            sum += apart * apart;
+        }
+    }
+    return sum;
+}
+
+// Turns the projector to where its light agrees best, all around, with the photographs: from letters and
+// stripes no slope leads to the next but one.
+static void look_for_light(Fit *fit) {
+    static const double still[NUMBERS] = {0};
+    const FfpCamera *projector = &fit->view.projector;
+    const real step = (real)projector->width / (real)fit->view.camera.width;
+    const int reach = (int)(SEARCH * (double)projector->width / (double)step);
+    double best, found[2] = {0}, by[NUMBERS] = {0};
+    draw(fit, still);
+    FfpImage picture = ffp_view_pass_picture_new(fit->pass);
+    best = BETTER * cost_of_light(fit, &picture);
+    for (int y = -reach; y <= reach; y++)
+        for (int x = -reach; x <= reach; x++) {
+            ffp_cancel_point();
+            ffp_view_pass_shift(fit->pass, step * (real)x, step * (real)y);
+            const double cost = cost_of_light(fit, &picture);
+            ffp_view_pass_shift(fit->pass, -step * (real)x, -step * (real)y);
+            if (cost < best) best = cost, found[0] = x, found[1] = y;
+        }
+    by[6] = found[1] * (double)(step / projector->fy), by[7] = -found[0] * (double)(step / projector->fx);
+    move(fit, by);
+    ffp_image_free(&picture);
+}
+
 // Steps downhill at one size; the view's poses follow.
 static void descend(Fit *fit, FfpView *view) {
     const FfpLeastSquares problem = {.state = fit,
@@ -273,6 +314,7 @@ static void register_view(Fit *fit, FfpView *view, FfpAlignmentStats *sums) {
     fit_close(fit);
     for (; smaller >= 1 && pixels / smaller / smaller <= MOST_PIXELS; smaller /= 2) {
         fit_open(fit, view, width / smaller, height / smaller);
+        if (width / smaller < SEARCHED) look_for_light(fit);
         descend(fit, view);
         fit_close(fit);
     }

@@ -107,6 +107,33 @@ bool ffp_studio_write(const FfpStudio *studio, const char *path, const void *byt
     return ok;
 }
 
+// A name of a folder, and all below it.
+static bool remove_at(int folder, const char *name) {
+    if (unlinkat(folder, name, 0) == 0 || errno == ENOENT) return true;
+    if (errno != EISDIR && errno != EPERM) return false;
+    const int file = openat(folder, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    DIR *listed = file >= 0 ? fdopendir(file) : NULL;
+    if (!listed) {
+        if (file >= 0) close(file);
+        return false;
+    }
+    bool ok = true;
+    for (const struct dirent *entry; ok && (entry = readdir(listed));)
+        ok = strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 ||
+             remove_at(file, entry->d_name);
+    closedir(listed);
+    return ok && unlinkat(folder, name, AT_REMOVEDIR) == 0;
+}
+
+bool ffp_studio_remove(const FfpStudio *studio, const char *path) {
+    const char *last;
+    const int folder = open_parent(studio, path, false, &last);
+    if (folder < 0) return errno == ENOENT;
+    const bool ok = remove_at(folder, last);
+    close(folder);
+    return ok;
+}
+
 bool ffp_studio_set_aside(const FfpStudio *studio, const char *path) {
     char flat[FFP_STUDIO_NAME], to[FFP_STUDIO_NAME + 24];
     if (!ffp_studio_exists(studio, path)) return true;

@@ -100,7 +100,8 @@ bool ffp_studio_read_trial(const FfpStudio *studio, const char *object, FfpStudi
     *t = (FfpStudioTrial){.object = json_string_value(json_object_get(trial, "object")),
                           .view = json_string_value(json_object_get(trial, "view")),
                           .pattern = json_string_value(json_object_get(trial, "pattern")),
-                          .turned = (int)json_integer_value(json_object_get(trial, "turned"))};
+                          .turned = (int)json_integer_value(json_object_get(trial, "turned")),
+                          .watch = json_is_true(json_object_get(trial, "watch"))};
     if (!t->object || !t->view || !t->pattern || strcmp(t->object, object) != 0 ||
         ffp_studio_stop_angle(ffp_studio_object(studio, object), t->view) < 0)
         return false;
@@ -128,7 +129,7 @@ static bool trial_set(const FfpStudio *studio, const char *object, FfpStudioSet 
     const int all = set->count; // every pattern: those that are not of it go
     set->count = 0;
     for (int i = 0; i < all; i++)
-        if (is_of(&set->shots[i], &t)) set->shots[set->count++] = set->shots[i];
+        if (!t.watch && is_of(&set->shots[i], &t)) set->shots[set->count++] = set->shots[i];
     if (t.is_own && set->count < FFP_STUDIO_SHOTS) {
         set->shots[set->count] = (FfpStudioShot){.number = FFP_STUDIO_OWN};
         snprintf(set->shots[set->count++].pattern, sizeof set->shots->pattern, "%.79s", t.file);

@@ -210,7 +210,6 @@ FfpStudioCommand *ffp_studio_import(const FfpStudio *studio, FfpStudioJob *job, 
                                        "--angles", NULL});
         ffp_studio_word(c, "%dx%.9g", stops, 360.0 / stops);
     }
-    ffp_studio_word(c, "--fit-response");
     ffp_studio_word(c, "-w");
     ffp_studio_word(c, "%lld", ffp_studio_number(studio, "width", -1, 128));
     option(c, "--name", object);
@@ -234,6 +233,7 @@ static bool make(FfpStudio *studio, FfpStudioJob *job, char *said) {
         return ffp_studio_say(said, "%s cannot be moved to discarded/", capture);
     if (alone) add_stops(studio, ffp_studio_command(job, "calibrate"), object, folder);
     FfpStudioCommand *c = ffp_studio_import(studio, job, object);
+    ffp_studio_word(c, "--fit-response");
     option(c, "--shown", "patterns");
     add_photographs(studio, c, object, &stop);
     option(c, "-o", capture);

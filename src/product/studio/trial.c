@@ -19,6 +19,12 @@ static bool is_pattern(const FfpStudio *studio, const char *name) {
     return ffp_studio_exists(studio, path);
 }
 
+// Out of the way: what watching photographed is deleted, the rest kept.
+static bool put_away(const FfpStudio *studio, const char *path) {
+    const bool watched = json_is_true(json_object_get(json_object_get(studio->settings, "trial"), "watch"));
+    return watched ? ffp_studio_remove(studio, path) : ffp_studio_set_aside(studio, path);
+}
+
 bool ffp_studio_try(FfpStudio *studio, const json_t *request, char said[FFP_STUDIO_SAID]) {
     const char *object = ffp_studio_setting(studio, "object", ""),
                *view = json_string_value(json_object_get(request, "view")),
@@ -35,15 +41,16 @@ bool ffp_studio_try(FfpStudio *studio, const json_t *request, char said[FFP_STUD
     if (own ? !ffp_studio_exists(studio, path) : !is_pattern(studio, pattern))
         return ffp_studio_say(
             said, "pattern: takes one of patterns/ beside black and white, or a picture of your own");
+    const bool watch = json_is_true(json_object_get(request, "watch"));
+    if (watch && !own) return ffp_studio_say(said, "watch: takes the pattern own, the show's picture");
     if (turned && (!json_is_integer(turned) || llabs(json_integer_value(turned)) > 180))
         return ffp_studio_say(said, "turned: takes -180 to 180 whole degrees");
     snprintf(path, sizeof path, "objects/%.60s/now", object);
-    if (!ffp_studio_set_aside(studio, path) || !ffp_studio_set_aside(studio, "virtual/now") ||
-        !ffp_studio_set_aside(studio, "virtual/shown"))
+    if (!put_away(studio, path) || !put_away(studio, "virtual/now") || !put_away(studio, "virtual/shown"))
         return ffp_studio_say(said, "%s cannot be moved to discarded/", path);
     json_object_set_new(studio->settings, "trial",
-                        json_pack("{s:s, s:s, s:s, s:I}", "object", object, "view", view, "pattern", pattern,
-                                  "turned", json_integer_value(turned)));
+                        json_pack("{s:s, s:s, s:s, s:I, s:b}", "object", object, "view", view, "pattern",
+                                  pattern, "turned", json_integer_value(turned), "watch", watch));
     return ffp_studio_save(studio, said);
 }
 
@@ -82,12 +89,28 @@ static bool add_sphere(const FfpStudio *studio, const char *object, FfpStudioCom
     return ok;
 }
 
+// The photographs under black and white that were taken of the stop.
+static void add_plain(const FfpStudio *studio, const FfpStudioTrial *t, FfpStudioCommand *c) {
+    FfpStudioSet stop;
+    char path[FFP_STUDIO_NAME], name[80];
+    snprintf(path, sizeof path, "objects/%.60s/%.60s", t->object, t->view);
+    if (!ffp_studio_set(studio, path, &stop)) return;
+    for (int i = 0; i < stop.count; i++) {
+        if (!strstr(stop.shots[i].pattern, "_black.png") && !strstr(stop.shots[i].pattern, "_white.png"))
+            continue;
+        ffp_studio_pattern_name(stop.shots[i].pattern, name, sizeof name);
+        ffp_studio_word(c, "-i");
+        ffp_studio_word(c, "%s=%s/%03d.%s", name, path, stop.shots[i].number, stop.ending);
+    }
+}
+
 static void add_shots(const FfpStudio *studio, const FfpStudioTrial *t, const FfpStudioSet *now,
                       FfpStudioCommand *c) {
     FfpStudioSet empty;
     char path[FFP_STUDIO_NAME], name[80];
     snprintf(path, sizeof path, "objects/%.60s/empty", t->object);
-    const bool has_empty = ffp_studio_set(studio, path, &empty);
+    const bool has_empty = !t->watch && ffp_studio_set(studio, path, &empty);
+    if (t->watch) add_plain(studio, t, c);
     for (int i = 0; i < now->count; i++) {
         ffp_studio_pattern_name(now->shots[i].pattern, name, sizeof name);
         ffp_studio_word(c, "-i");
@@ -119,22 +142,23 @@ static void add_comparison(FfpStudioJob *job, const char *object, const char *wh
 static bool set_made_aside(const FfpStudio *studio, const char *object, const char *what, char *said) {
     char path[FFP_STUDIO_NAME];
     snprintf(path, sizeof path, "objects/%.60s/now/%s", object, what);
-    return ffp_studio_set_aside(studio, path) ||
-           ffp_studio_say(said, "%s cannot be moved to discarded/", path);
+    return put_away(studio, path) || ffp_studio_say(said, "%s cannot be moved to discarded/", path);
 }
 
-static bool compare_now(FfpStudio *studio, FfpStudioJob *job, char *said) {
+// Makes the capture of now.
+static bool import_now(FfpStudio *studio, FfpStudioJob *job, bool watch, char *said) {
     const char *object = ffp_studio_setting(studio, "object", "");
     FfpStudioSet now;
     FfpStudioTrial t;
     char path[FFP_STUDIO_NAME];
     snprintf(path, sizeof path, "objects/%.60s/now", object);
-    if (!ffp_studio_read_trial(studio, object, &t) || !ffp_studio_set(studio, path, &now) ||
-        now.done < now.count)
+    if (!ffp_studio_read_trial(studio, object, &t) || t.watch != watch ||
+        !ffp_studio_set(studio, path, &now) || now.done < now.count)
         return ffp_studio_say(said, "it is not photographed as it is now");
     if (!set_made_aside(studio, object, "capture", said) || !set_made_aside(studio, object, "aligned", said))
         return false;
     FfpStudioCommand *c = ffp_studio_import(studio, job, object);
+    if (!watch) ffp_studio_word(c, "--fit-response"); // one picture does not tell it
     ffp_studio_word(c, "-v");
     ffp_studio_word(c, "%s", t.view + (ffp_studio_without_board(studio) ? 0 : strlen(FFP_STUDIO_VIEW)));
     add_shots(studio, &t, &now, c);
@@ -142,7 +166,31 @@ static bool compare_now(FfpStudio *studio, FfpStudioJob *job, char *said) {
         return ffp_studio_say(said, "objects/%s/capture/scene.json has no object", object);
     ffp_studio_word(c, "-o");
     ffp_studio_word(c, "%s/capture", path);
-    add_comparison(job, object, "capture");
+    return true;
+}
+
+static bool compare_now(FfpStudio *studio, FfpStudioJob *job, char *said) {
+    if (!import_now(studio, job, false, said)) return false;
+    add_comparison(job, ffp_studio_setting(studio, "object", ""), "capture");
+    return true;
+}
+
+// `align` of objects/NAME/now/capture by the Gaussians.
+static FfpStudioCommand *add_alignment(FfpStudioJob *job, const char *object) {
+    FfpStudioCommand *c = ffp_studio_command(job, "align");
+    ffp_studio_word(c, "objects/%.60s/now/capture", object);
+    ffp_studio_word(c, "--gaussians");
+    ffp_studio_word(c, "objects/%.60s/object.ply", object);
+    ffp_studio_word(c, "-o");
+    ffp_studio_word(c, "objects/%.60s/now/aligned", object);
+    return c;
+}
+
+static bool watch_now(FfpStudio *studio, FfpStudioJob *job, char *said) {
+    if (!import_now(studio, job, true, said)) return false;
+    FfpStudioCommand *c = add_alignment(job, ffp_studio_setting(studio, "object", ""));
+    ffp_studio_word(c, "-p");
+    ffp_studio_word(c, "own");
     return true;
 }
 
@@ -152,21 +200,17 @@ static bool find_devices(FfpStudio *studio, FfpStudioJob *job, char *said) {
     snprintf(path, sizeof path, "objects/%.60s/now/capture/scene.json", object);
     if (!ffp_studio_exists(studio, path)) return ffp_studio_say(said, "it is not photographed as it is now");
     if (!set_made_aside(studio, object, "aligned", said)) return false;
-    FfpStudioCommand *c = ffp_studio_command(job, "align");
-    ffp_studio_word(c, "objects/%.60s/now/capture", object);
-    ffp_studio_word(c, "--gaussians");
-    ffp_studio_word(c, "objects/%.60s/object.ply", object);
-    ffp_studio_word(c, "-o");
-    ffp_studio_word(c, "objects/%.60s/now/aligned", object);
+    add_alignment(job, object);
     add_comparison(job, object, "aligned");
     return true;
 }
 
 bool ffp_studio_trial_step(FfpStudio *studio, const char *step, FfpStudioJob *job,
                            char said[FFP_STUDIO_SAID]) {
+    if (strcmp(step, "watch") == 0) return watch_now(studio, job, said);
     return strcmp(step, "now") == 0 ? compare_now(studio, job, said) : find_devices(studio, job, said);
 }
 
 bool ffp_studio_is_trial_step(const char *step) {
-    return strcmp(step, "now") == 0 || strcmp(step, "register") == 0;
+    return strcmp(step, "now") == 0 || strcmp(step, "register") == 0 || strcmp(step, "watch") == 0;
 }

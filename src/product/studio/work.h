@@ -104,6 +104,8 @@ bool ffp_studio_make(const FfpStudio *studio, const char *folder); // and those 
 bool ffp_studio_write(const FfpStudio *studio, const char *path, const void *bytes, size_t size);
 // Moves it to discarded/NAME-N, NAME being its path with dashes. True if there is nothing.
 bool ffp_studio_set_aside(const FfpStudio *studio, const char *path);
+// Deletes it, with all in it. True if there is nothing.
+bool ffp_studio_remove(const FfpStudio *studio, const char *path);
 // Names in a folder in the alphabet's order, at most `most`; each to be freed. 0: none, or no folder.
 int ffp_studio_list(const FfpStudio *studio, const char *folder, char **names, int most);
 void ffp_studio_free_names(char **names, int count);
@@ -153,7 +155,7 @@ enum { FFP_STUDIO_OWN = 999 };  // number of the photograph under a picture of t
 typedef struct FfpStudioTrial {
     const char *object, *view, *pattern; // "view-045"; a file of patterns/, or "own"
     int turned;                          // degrees by which the simulated turntable is off
-    bool is_own;
+    bool is_own, watch; // watch: photographed while a show goes on, under its own picture alone
     char name[80], file[FFP_STUDIO_NAME]; // of the pattern: what `import` calls it, and its picture
 } FfpStudioTrial;
 bool ffp_studio_read_trial(const FfpStudio *studio, const char *object, FfpStudioTrial *t);
@@ -205,11 +207,13 @@ void ffp_studio_arrived(FfpStudio *studio); // when `changes` can be read
 // --- Prediction against reality, now (trial.c): objects/NAME/now. ---
 
 // {"verb": "try", "view": "view-045", "pattern": "004_lollipop_1.png" or "own", "turned": degrees}: what is
-// to be photographed as objects/NAME/now; what was photographed there before is set aside.
+// to be photographed as objects/NAME/now; what was photographed there before is set aside. With "watch": true
+// it is the show's picture alone, "own", and what watching has photographed before is deleted.
 bool ffp_studio_try(FfpStudio *studio, const json_t *request, char said[FFP_STUDIO_SAID]);
 // A picture of the user's, a PNG of the panel's size, as objects/NAME/own.png.
 bool ffp_studio_store_own(FfpStudio *studio, const void *bytes, size_t size, char said[FFP_STUDIO_SAID]);
-// The steps "now", which compares, and "register", which finds the devices again, as ffp_studio_step.
+// The steps "now", which compares, "register", which finds the devices again, and "watch", which finds them
+// by the show's picture (black and white are the stop's own), as ffp_studio_step.
 bool ffp_studio_is_trial_step(const char *step);
 bool ffp_studio_trial_step(FfpStudio *studio, const char *step, FfpStudioJob *job,
                            char said[FFP_STUDIO_SAID]);

@@ -331,8 +331,28 @@ def trials_are_checked(studio):
         assert status == 200 and [shot["number"] for shot in answer["active"]["shots"]] == numbers and answer["active"]["angle"] == 45, answer
         assert "not photographed" in studio.do(verb="run", step="now")[1]["error"]
     assert "not photographed" in studio.do(verb="run", step="register")[1]["error"]
+    # watching: one photograph, and only what watching has made is deleted
+    now, outside = studio.folder / "objects/x/now", studio.folder / "outside"
+    now.mkdir(exist_ok=True)
+    (now / "mine.txt").write_bytes(b"kept")
+    outside.mkdir()
+    (outside / "mine.txt").write_bytes(b"kept")
+    assert "watch" in studio.do(verb="try", view="view-045", pattern="004_lollipop_1.png", watch=True)[1]["error"]
+    for _ in range(3):
+        assert studio.do(verb="try", view="view-045", pattern="own", watch=True)[0] == 200
+        status, answer = studio.do(verb="shoot", set="objects/x/now")
+        assert status == 200 and [shot["number"] for shot in answer["active"]["shots"]] == [999], answer
+        assert "not photographed" in studio.do(verb="run", step="watch")[1]["error"]
+        (now / "deep/er").mkdir(parents=True)
+        (now / "deep/link").symlink_to(outside)
+        (now / "deep/er/file").write_bytes(b"")
+    discarded = [path for path in (studio.folder / "discarded").glob("objects-x-now-*") if (path / "mine.txt").exists()]
+    assert len(discarded) == 1 and not list((studio.folder / "discarded").glob("objects-x-now-*/deep")), discarded
+    assert studio.do(verb="try", view="view-045", pattern="own")[0] == 200
+    assert not now.exists() and (outside / "mine.txt").read_bytes() == b"kept"
+    shutil.rmtree(outside)
     studio.do(verb="shoot", set="calibration/attitude-00")  # as it was
-    return len(wrong) + 7
+    return len(wrong) + 8
 
 
 def photographs_are_checked(studio):

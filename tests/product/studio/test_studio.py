@@ -179,6 +179,7 @@ def go_without_board(program, found, folder, pictures):
         seconds = time.monotonic() - began
         controlled(page, port)
         compared_now(page)
+        watched(page)
         assert not page.said, page.said
     finally:
         page.close()
@@ -213,6 +214,21 @@ def compared_now(page):
     before, moved, found = (float(row[1]) for row in (before, moved, again))
     turns = [float(word) for word in re.findall(r"by ([\d.]+)", again[0])]
     assert before > 40 and moved < before - 4 and found > before - 1.5 and all(abs(turn - 2) < 0.3 for turn in turns) and len(turns) == 2
+
+
+def watched(page):
+    """Under the show's own picture: nothing has moved, the table has been turned by two degrees, and back."""
+    said = []
+    for turned in (0, 2, 0):
+        page.run(f"document.getElementById('now-view').value = 'view-045'; document.getElementById('now-turned').value = {turned}; window.said = ''; "
+                 "lookOnce().then((text) => { window.said = text; }, (error) => { window.said = error.stack; }); true")
+        page.wait("!!window.said", LONG)
+        said.append(page.run("[window.said, ...watching.took]"))
+        print(f"watched, the table off by {turned} degrees: {said[-1][0]}")
+    turns = [float(word) for text, *_ in said[1:] for word in re.findall(r"by ([\d.]+)°", text)]
+    assert "All is where it was" in said[0][0] and len(turns) == 4 and all(abs(turn - 2) < 0.5 for turn in turns), said
+    assert page.run("""(() => { const {viewer} = document.getElementById('viewer').contentWindow, {pose} = viewer.projectors[0].device;
+        return pose.every((x, i) => x === watching.poses.projector[i]); })()""")  # the viewer has followed
 
 
 # --- Other cameras, which see what the simulated one saw. ---
