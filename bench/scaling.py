@@ -43,7 +43,9 @@ def reconstruct(program, capture, ply, steps):
     _, status, usage = os.wait4(pid, 0)
     if status:
         sys.exit(f"{' '.join(command)} failed")
-    told = re.search(r": (\d+) Gaussians .* in ([\d.]+) s \(noise.* away ([\d.]+) s, matching ([\d.]+) s, network ([\d.]+) s, polish ([\d.]+) s", said)
+    told = re.search(r": (\d+) Gaussians .*, ([\d.]+) s \(.* noise filtered ([\d.]+) s, matching ([\d.]+) s, network ([\d.]+) s, polish ([\d.]+) s", said)
+    if not told:
+        sys.exit(f"{' '.join(command)} printed another line than this program reads: {said.strip()}")
     figures = dict(zip(("gaussians", "seconds") + STAGES, map(float, told.groups())))
     return figures | {"peak_gb": usage.ru_maxrss / 1e6, "ply_mb": os.path.getsize(ply) / 1e6}
 
