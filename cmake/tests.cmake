@@ -105,6 +105,7 @@ find_program(FFP_NODE node)
 if(FFP_NODE)
   add_test(NAME view_place COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/view/test_place.js)
   add_test(NAME studio_watch COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/studio/test_watch.js)
+  add_test(NAME view_nudge COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/view/test_nudge.js)
   add_test(NAME view_control COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/view/test_control.js)
 endif()
 

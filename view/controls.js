@@ -49,6 +49,7 @@ class Controls {
       return aside ? 'aim' : 'projector';
     }
     if (app.mode === 'brush' && !aside && !event.altKey) return 'brush';
+    if (app.mode === 'nudge' && !aside) return 'nudge';
     if (app.mode === 'projector' && app.projector) return aside ? 'aim' : 'projector';
     return aside ? 'pan' : 'orbit';
   }
@@ -60,6 +61,7 @@ class Controls {
     if (this.pointers.size === 1) this.action = this.chooseAction(event, at);
     else this.action = this.action === 'projector' || this.action === 'aim' ? 'pinch-projector' : 'pinch';
     if (this.action === 'brush') this.app.stroke(at, null);
+    this.app.pull = this.action === 'nudge' ? [at, at] : null;
     this.app.blurPanel();
     event.preventDefault();
   }
@@ -77,6 +79,7 @@ class Controls {
     if (this.action.startsWith('pinch')) {
       if (others.length) this.pinch(before, at, others[0]);
     } else if (this.action === 'brush') this.app.stroke(at, before);
+    else if (this.action === 'nudge') this.app.pull = [this.app.pull[0], at], this.app.redrawOverlay();
     else this.drag(this.action, dx, dy);
   }
 
@@ -103,6 +106,8 @@ class Controls {
 
   up(event) {
     this.pointers.delete(event.pointerId);
+    if (this.action === 'nudge' && event.type === 'pointerup') this.app.endPull();
+    this.app.pull = null;
     if (this.pointers.size === 0) this.action = null;
     else if (this.action && this.action.startsWith('pinch')) this.action = this.action === 'pinch' ? 'orbit' : 'projector';
   }

@@ -125,7 +125,7 @@ async function applyState(app, state, withView) {
         p.painted = true, p.paintCopy = kept.paint, p.paintCopied = ++p.paintVersion; // the same paint, not another
       }
     }
-    p.dirty = true;
+    p.dirty = true, p.pulls = [];
   });
   app.exposure = state.exposure, app.ambient = state.ambient, app.black = state.black;
   app.show.cues = structuredClone(state.cues);

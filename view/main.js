@@ -165,6 +165,7 @@ class App {
 
   setProjectorPose(pose, device = this.projector.device) {
     this.endComparison(this.projector);
+    this.projector.pulls = [];
     this.projector.device = {...device, width: this.projector.device.width, height: this.projector.device.height, pose};
     if (device !== this.projector.device) this.projector.original = device;
     this.invalidate(true);
@@ -276,6 +277,26 @@ class App {
       projector.dab(u, v, radius, brush.erase ? null : brush.colour);
     }
     this.invalidate(true);
+  }
+
+  // What is projected at the one end of the pull belongs to the other: the real projector lights the point here by the pixel
+  // that the page had for the point there.
+  endPull() {
+    const {projector, pull} = this, camera = this.renderer.view.camera;
+    if (!projector || !pull || !camera || Math.hypot(pull[0][0] - pull[1][0], pull[0][1] - pull[1][1]) < 1) return;
+    const ratio = camera.width / innerWidth, [from, to] = pull.map(([x, y]) => {
+      const depth = this.renderer.view.depthUnder(x * ratio, y * ratio);
+      return depth ? pointAt(camera, x * ratio, y * ratio, depth) : null;
+    });
+    if (!from || !to) return say('Pull from a place of the object to another one.');
+    const {device} = projector, pulls = [...projector.pulls.slice(1 - PULLS_MAX), {point: from, pixel: project(device, to).slice(0, 2)}];
+    const pose = poseOfPulls(device, pulls, length3(sub3(positionOf(device.pose), this.scene.centre)));
+    if (!pose) return say('These pulls do not fit together; choose Nudge again to begin again.');
+    this.setProjectorPose(pose);
+    projector.pulls = pulls;
+    const miss = missOf(projector.device, pulls), left = 3 - pulls.length;
+    say(left > 0 ? `The projector has turned; ${left === 1 ? 'one more pull finds' : 'two more pulls, far apart, find'} its whole pose.`
+      : `The projector's pose is found from ${pulls.length} pulls${pulls.length > 3 ? `, which it misses by ${miss.toFixed(1)} pixels` : ''}.`);
   }
 
   // --- Photographs. ---

@@ -91,6 +91,15 @@ function drawOverlay(app) {
   if (app.frusta)
     for (const projector of app.projectors)
       if (app.mode !== 'brush' || projector === app.projector) drawFrustum(context, app, projector, projector === app.projector);
+  if (app.mode === 'nudge' && app.pull) {
+    context.strokeStyle = context.fillStyle = app.projector.colour, context.lineWidth = 2;
+    context.beginPath();
+    context.moveTo(...app.pull[0]), context.lineTo(...app.pull[1]);
+    context.stroke();
+    context.beginPath();
+    context.arc(...app.pull[1], 5, 0, 2 * Math.PI);
+    context.fill();
+  }
   if (app.mode === 'brush' && app.pointer) {
     context.strokeStyle = app.brush.erase ? '#fff' : app.brush.colour, context.lineWidth = 2;
     context.beginPath();

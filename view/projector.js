@@ -43,6 +43,7 @@ class Projector {
     this.paintVersion = 0; // counts its changes
     this.pattern = new PatternTexture(graphics, ...size);
     this.maps = {}; // of a correction
+    this.pulls = []; // of a nudge
     this.dirty = true;
   }
 

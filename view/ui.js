@@ -233,8 +233,12 @@ function setMode(app, mode) {
   app.mode = mode;
   for (const button of document.querySelectorAll('[data-mode]'))
     button.setAttribute('aria-pressed', button.dataset.mode === mode);
-  app.canvas.style.cursor = mode === 'brush' ? 'crosshair' : 'grab';
-  if (mode === 'place' && innerWidth <= 700) document.body.classList.remove('with-panel'); // there is room for one of them
+  app.canvas.style.cursor = mode === 'brush' || mode === 'nudge' ? 'crosshair' : 'grab';
+  if (mode === 'nudge') {
+    app.projector.pulls = [];
+    say('Pull a projected point from where you see it on the object to where it belongs.');
+  }
+  if ((mode === 'place' || mode === 'nudge') && innerWidth <= 700) document.body.classList.remove('with-panel'); // there is room for one of them
   app.changed('mode');
   app.invalidate();
 }
@@ -322,7 +326,7 @@ async function showFile(app, file) {
 const go = attempt(async (app) => { if (app.show.armed) await app.show.go(), app.history.note(); });
 
 const KEYS = {
-  c: (app) => setMode(app, 'camera'), p: (app) => setMode(app, 'projector'), b: (app) => setMode(app, 'brush'), l: (app) => setMode(app, 'place'),
+  c: (app) => setMode(app, 'camera'), p: (app) => setMode(app, 'projector'), b: (app) => setMode(app, 'brush'), u: (app) => setMode(app, 'nudge'), l: (app) => setMode(app, 'place'),
   a: (app) => { app.ambient = !app.ambient; app.changed('settings'); app.invalidate(); },
   g: (app) => { app.map = app.map === null ? 0 : app.map === 5 ? null : app.map + 1; app.changed('settings'); app.invalidate(); },
   x: (app) => { app.frusta = !app.frusta; app.changed('settings'); app.invalidate(); },

@@ -745,6 +745,35 @@ def check_midi(check, page):
     page.run("delete navigator.requestMIDIAccess; document.querySelectorAll('#bindings button').forEach((b) => b.click()); viewer.midi.access = null, viewer.show.cues = [], viewer.changed('cues'); true")
 
 
+def check_nudge(check, page):
+    """The real projector stands elsewhere than the page believes: three pulls by a hand, from where it lights to where it should."""
+    page.resize(900, 640)
+    before, after, steps = page.run("""(async () => { const {views, centre, radius} = viewer.scene; viewer.jump(views[0], true); setMode(viewer, 'nudge');
+        const p = viewer.projector, believed = p.device, distance = length3(sub3(positionOf(believed.pose), centre));
+        const truth = {...believed, pose: movedPose(believed.pose, [0.02, -0.03, 0.025, 0.006, -0.004, 0.005], distance)}, canvas = viewer.canvas, at = viewer.history.at;
+        await idle();
+        const camera = viewer.renderer.view.camera, ratio = camera.width / innerWidth, spots = [];
+        for (let y = 8; y < innerHeight - 8; y += 5) for (let x = 8; x < innerWidth - 8; x += 5) { // places of the object
+            const depth = viewer.renderer.view.depthUnder(x * ratio, y * ratio);
+            if (depth) spots.push({at: [x, y], point: pointAt(camera, x * ratio, y * ratio, depth)}); }
+        const miss = () => spots.reduce((sum, {point}) => { const a = project(p.device, point), b = project(truth, point); return sum + Math.hypot(a[0] - b[0], a[1] - b[1]); }, 0) / spots.length;
+        const missed = [miss()], middle = [0, 1].map((k) => spots.reduce((sum, s) => sum + s.at[k], 0) / spots.length);
+        const far = [0, 2.1, 4.2].map((angle) => spots.reduce((best, s) => { const reach = (s) => (s.at[0] - middle[0]) * Math.cos(angle) + (s.at[1] - middle[1]) * Math.sin(angle);
+            const inside = spots.filter((o) => Math.hypot(o.at[0] - s.at[0], o.at[1] - s.at[1]) < 45).length > 225; return inside && (!best || reach(s) > reach(best)) ? s : best; }, null));
+        for (const {at: from, point} of far) { // its light there is meant for the place that the page lights by the same pixel
+            const pixel = project(truth, point), meant = spots.map((s) => ({s, d: Math.hypot(project(p.device, s.point)[0] - pixel[0], project(p.device, s.point)[1] - pixel[1])})).reduce((a, b) => a.d < b.d ? a : b).s.at;
+            const send = (type, [clientX, clientY]) => canvas.dispatchEvent(new PointerEvent(type, {pointerId: 1, clientX, clientY, button: 0, bubbles: true}));
+            canvas.setPointerCapture = () => {};
+            send('pointerdown', from), send('pointermove', meant), send('pointerup', meant);
+            await new Promise((done) => setTimeout(done, 30)), await idle();
+            missed.push(miss()); }
+        const steps = viewer.history.at - at;
+        setMode(viewer, 'camera'), viewer.jump(views[0], true), delete canvas.setPointerCapture;
+        return [missed[0], missed.slice(1), steps]; })()""")
+    page.resize(520, 400)
+    check("three pulls find the projector", after[0] < 0.5 * before and after[2] < 0.15 * before and steps >= 3, f"{before:.1f} pixels off, then {', '.join(f'{x:.1f}' for x in after)}; {steps} steps of undo")
+
+
 def check_letters(check, page, folder):
     """Around a corrected logo with alpha the pattern is black: nothing grows beyond its edge."""
     page.run("viewer.jump(viewer.scene.views[0], true); true")
@@ -1248,6 +1277,7 @@ def main():
             check_place(check, page)
             check_cues(check, page)
             check_midi(check, page)
+            check_nudge(check, page)
             check_letters(check, page, folder)
             check_touch(check, page, folder)
             check_same_ids(check, page, path, scratch)
