@@ -96,6 +96,13 @@ class VideoContent {
   free() { if (this.shared) this.video.pause(); else this.release(); } // shared: it is the library's
   toggle() { if (this.video.paused) playVideo(this.video); else this.video.pause(); }
 
+  // The same film with a player of its own.
+  async twin() {
+    const video = document.createElement('video');
+    video.src = this.video.src;
+    return Object.assign(new VideoContent(this.name, await loadVideo(video, this.name), () => video.pause()), {file: this.file});
+  }
+
   // Plays the part of the film that its layer asks for, as loud as it asks.
   follow({volume, from, to}, sound) {
     const {video} = this, end = to > from ? to : Infinity;

@@ -68,10 +68,17 @@ const checkColour = (colour) => /^#[0-9a-f]{6}$/i.test(colour) ? colour : '#ffff
 
 const describeLayers = (app, layers) => layers.map(({source, fit, place, film}) => ({source: describeContent(app, source), fit, place: structuredClone(place), film: {...film}}));
 
-// Layers as they were described; sources that `present` layers have are theirs.
-function layersOf(app, described, present = []) {
-  const same = (source) => present.find((layer) => JSON.stringify(describeContent(app, layer.source)) === JSON.stringify(source));
-  return Promise.all(described.map(async (layer) => new Layer(same(layer.source) ? same(layer.source).source : await contentOf(app, layer.source), layer)));
+// Layers as they were described; sources that `present` layers have are theirs, each of them once.
+async function layersOf(app, described, present = []) {
+  const used = new Set(), layers = [];
+  for (const layer of described) {
+    const text = JSON.stringify(layer.source), same = present.find(({source}) => !used.has(source) && JSON.stringify(describeContent(app, source)) === text);
+    let source = same ? same.source : await contentOf(app, layer.source);
+    if (used.has(source) && source.twin) source = await source.twin();
+    used.add(source);
+    layers.push(new Layer(source, layer));
+  }
+  return layers;
 }
 
 // --- The state. ---

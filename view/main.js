@@ -192,12 +192,12 @@ class App {
   setContent(content, projector = this.projector, layer = projector.layer) {
     this.reshow(projector, () => projector.change(() => {
       layer.source = content;
-      projector.fade = null;
+      projector.endFade();
     }));
   }
 
   // Layers instead of those that a projector has, faded in within some seconds.
-  setLayers(layers, projector = this.projector, seconds = 0) { this.reshow(projector, () => projector.setLayers(layers, seconds)); }
+  setLayers(layers, projector = this.projector, seconds = 0, still = false) { this.reshow(projector, () => projector.setLayers(layers, seconds, still)); }
 
   // `work` changes what a projector shows and returns the sources that it leaves.
   reshow(projector, work) {
@@ -248,7 +248,9 @@ class App {
   // Shows content that is still being read or decoded, in the layer that is selected now; false if its projector has
   // received other content since then.
   async bring(promised, projector = this.projector) {
-    const asked = ++projector.asked, {layer} = projector, content = await promised;
+    const asked = ++projector.asked, {layer} = projector;
+    let content = await promised;
+    if (content && content.twin && projector.layers.some((other) => other !== layer && other.source === content)) content = await content.twin();
     if (!content) return false;
     await this.history.rest();
     if (asked === projector.asked && this.projectors.includes(projector)) {
@@ -438,6 +440,7 @@ class App {
         projector.freeMaps();
         if (projector.dirty || projector.live || projector.wasCorrected) projector.drawPattern();
       }
+      if (projector.fade && projector.fade.still) projector.pattern.lay(projector.fade.still, 1 - projector.share);
       projector.dirty = false, projector.patternKey = key, projector.wasCorrected = projector.corrected;
       projector.window.stale = true;
     }

@@ -31,7 +31,7 @@ class Projector {
     this.stops = 0; // brightness, in doublings of the capture's
     this.layers = [new Layer(new TestContent('White'))];
     this.at = 0;       // the layer that is selected
-    this.fade = null;  // {from: the layers before, seconds, began}
+    this.fade = null;  // {from: the layers before, seconds, began, still: the pattern before, where it was corrected otherwise}
     this.asked = 0; // number of requests to show content, so that a late one is not shown
     this.correction = 'none'; // 'paint' and 'colours': see compensate.js
     this.watcher = 'now';     // the viewpoint that a correction is for: 'now' or a view's number from 0
@@ -73,19 +73,28 @@ class Projector {
     return before.filter((source) => !this.sources.includes(source));
   }
 
-  // Layers instead of those there are, faded in within some seconds; a fade that is cut short goes on from its end.
-  setLayers(layers, seconds = 0) {
+  // Layers instead of those there are, faded in within some seconds, from the pattern as it is now if it is to be a `still`; a
+  // fade that is cut short goes on from its end.
+  setLayers(layers, seconds = 0, still = false) {
+    const kept = seconds > 0 && still ? new PatternTexture(this.graphics, this.pattern.width, this.pattern.height) : null;
+    if (kept) kept.lay(this.pattern, 1);
+    this.endFade();
     return this.change(() => {
-      this.fade = seconds > 0 ? {from: this.layers, seconds, began: performance.now()} : null;
+      this.fade = seconds > 0 ? {from: this.layers, seconds, began: performance.now(), still: kept} : null;
       this.layers = layers;
     });
+  }
+
+  endFade() {
+    if (this.fade && this.fade.still) this.fade.still.free();
+    this.fade = null;
   }
 
   get share() { return clamp((performance.now() - this.fade.began) / (1000 * this.fade.seconds), 0, 1); }
 
   // The layers over an empty canvas. In a fade both are drawn in full and added up by their shares, as video mixers do.
   draw(context, width, height) {
-    if (!this.fade) return drawLayers(this.graphics, context, this.layers, width, height);
+    if (!this.fade || this.fade.still) return drawLayers(this.graphics, context, this.layers, width, height);
     const {share} = this;
     for (const [layers, part] of [[this.fade.from, 1 - share], [this.layers, share]]) {
       const own = scratch('fade', width, height);
@@ -137,6 +146,7 @@ class Projector {
   }
 
   free() {
+    this.endFade();
     this.pattern.free();
     this.freeMaps();
     if (this.feather) this.feather.free();

@@ -32,6 +32,21 @@ class PatternTexture {
     gl.generateMipmap(gl.TEXTURE_2D);
   }
 
+  // Draws another one of its size over it, by a share.
+  lay(other, share) {
+    const {graphics, width, height} = this, {gl} = graphics, framebuffer = gl.createFramebuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.texture, 0);
+    gl.enable(gl.BLEND);
+    gl.blendColor(0, 0, 0, share);
+    gl.blendFunc(gl.CONSTANT_ALPHA, gl.ONE_MINUS_CONSTANT_ALPHA);
+    graphics.fill({framebuffer, width, height}, ['copy.frag'], {u_source: other.texture});
+    gl.disable(gl.BLEND);
+    gl.deleteFramebuffer(framebuffer);
+    gl.bindTexture(gl.TEXTURE_2D, this.texture);
+    gl.generateMipmap(gl.TEXTURE_2D);
+  }
+
   free() { this.graphics.gl.deleteTexture(this.texture); }
 }
 

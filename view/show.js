@@ -76,8 +76,9 @@ class Show {
     shown.forEach((layers, i) => {
       const projector = app.projectors[i], {correction, watcher} = cue.shown[i];
       if (!projector) return app.release(layers.map((layer) => layer.source));
+      const before = [projector.correction, projector.watcher].join();
       Object.assign(projector, {correction, watcher: app.scene.views[watcher] ? watcher : 'now'});
-      app.setLayers(layers, projector, seconds);
+      app.setLayers(layers, projector, seconds, before !== [projector.correction, projector.watcher].join());
     });
     this.at = index, this.playing = cue.follow !== null;
     if (this.playing) this.timer = setTimeout(attempt(() => this.go()), 1000 * Math.max(seconds + cue.follow, 0.1));

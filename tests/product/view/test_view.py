@@ -710,6 +710,17 @@ def check_cues(check, page):
     last = page.pixels()
     check("a cue fades in, corrected", change(seen[0], half) > 0.2 and change(seen[1], half) > 0.2 and change(seen[0], last) < 0.1,
           f"{change(seen[0], half):.2f} {change(seen[1], half):.2f} {change(seen[0], last):.2f}")
+    page.run("viewer.show.cues[1].shown[0].correction = 'none', viewer.show.cues[1].fade = 20, viewer.show.go(1)")  # corrected red to blue as it is
+    linear = """(() => { viewer.updatePatterns(); const {width, height, data} = panelPicture(viewer.graphics, viewer.projector, null, window.kept = window.kept || {}), i = 4 * (width * (height >> 1) + (width >> 1));
+        return [0, 1, 2].map((k) => (data[i + k] / 255) ** 2.2); })()"""
+    page.run("viewer.projector.fade.began = performance.now(), viewer.projector.dirty = true")
+    ends = [page.run(linear)]
+    page.run("viewer.projector.fade.began -= 10000, viewer.projector.dirty = true")
+    middle = page.run(linear)
+    page.run("viewer.projector.fade.began -= 20000, viewer.endFades()")
+    ends.append(page.run(linear))
+    check("a correction fades with its cue", ends[0][0] > 0.9 and ends[1] == [0, 0, 1] and 0.35 < middle[0] < 0.65 and abs(middle[0] + middle[2] - 1) < 0.06,
+          f"{ends} {middle}")
     page.run("viewer.show.cues.forEach((cue) => { cue.fade = 0; cue.follow = 0.2; }); viewer.show.go(0)")
     page.wait("viewer.show.at === 1")
     page.wait("viewer.show.at === 0")
@@ -981,6 +992,14 @@ def check_contents(check, page, folder):
     page.drop("film.webm", "video/webm", film)
     page.wait("viewer.projector.content.name === 'film.webm'", 30)
     page.run("viewer.projector.content.video.pause(); true")
+    apart = page.run("""(async () => { const p = viewer.projector, film = p.content; viewer.setLayers([new Layer(film), new Layer(new TestContent('White'))]); p.at = 1;
+        await viewer.bring(film);
+        const [a, b] = p.layers.map((layer) => layer.source), again = await layersOf(viewer, describeLayers(viewer, p.layers), p.layers);
+        const told = [a !== b, a.video !== b.video, a.file === b.file, again.every((layer, k) => layer.source === p.layers[k].source)];
+        const fresh = await layersOf(viewer, describeLayers(viewer, p.layers)); told.push(fresh[0].source !== fresh[1].source);
+        viewer.release([fresh[1].source]), b.video.pause(), viewer.setLayers([new Layer(film)]), film.video.pause();
+        return told; })()""")
+    check("two layers of a film have players of their own", apart == [True] * 5, f"{apart}")
     seen = []
     for at in (0.2, 0.9):
         page.run(f"""new Promise((done) => {{ const v = viewer.projector.content.video; v.onseeked = () => done(true); v.currentTime = {at}; }})""")
