@@ -511,7 +511,9 @@ async function start() {
   say('As you left it. Undo brings the page as it came.');
 }
 
-window.ready = start().then(() => { document.body.classList.add('ready'); return true; }, (error) => {
+// The page is painted once before it is busy drawing.
+const painted = new Promise((done) => (document.hidden ? setTimeout : requestAnimationFrame)(() => setTimeout(done)));
+window.ready = painted.then(start).then(() => { document.body.classList.add('ready'); return true; }, (error) => {
   showFailure(error);
   if (!(error instanceof Message)) console.warn(error);
   return false;

@@ -43,17 +43,25 @@ async function attempt(work) {
   try { return await work(); } catch (error) { say(error.message); return null; }
 }
 
+// A banner that stays, with the way back.
+function tellGone(gone) {
+  if (studio.gone && !gone) say('The studio is there again.');
+  studio.gone = gone;
+  $('gone').hidden = !gone;
+  const folder = studio.state ? studio.state.folder : '';
+  $('again').textContent = folder ? `ffprocams studio '${folder.replace(/'/g, "'\\''")}'` : '';
+  document.body.classList.toggle('gone', gone);
+}
+
 async function refresh() {
   const known = studio.state ? studio.state.version : 0;
   try {
     const answer = await fetch('state?known=' + known);
     if (!answer.ok) throw new Error(await answer.text());
     accept(await answer.json());
-    if (studio.gone) say('The studio is there again.');
-    studio.gone = false;
+    tellGone(false);
   } catch {
-    if (!studio.gone) say('The studio does not answer: it has ended. Start it again with the same folder; nothing is lost.');
-    studio.gone = true;
+    tellGone(true);
   }
 }
 

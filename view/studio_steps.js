@@ -4,7 +4,10 @@
 const STEPS = ['rig', 'board', 'object', 'look'];
 let step = '';
 
-function showStep(name) {
+// The steps are the browser's history, too.
+function showStep(name, again = false) {
+  if (!again && step && step !== name) history.pushState({step: name}, '', '#' + name);
+  else history.replaceState({step: name}, '', '#' + name);
   step = name;
   for (const id of STEPS) $(id).hidden = id !== name;
   for (const button of document.querySelectorAll('#steps button'))
@@ -41,6 +44,15 @@ function drawSteps(state) {
     button.classList.toggle('done', done[button.dataset.step]);
     button.querySelector('small').textContent = says[button.dataset.step];
   }
+}
+
+// The reason why a button is grey, with one that leads to the step where it is mended.
+function tellWhy(id, text, target) {
+  const told = text + (target || '');
+  if ($(id).dataset.told === told) return;
+  $(id).dataset.told = told;
+  const name = target && document.querySelector(`#steps button[data-step=${target}]`).innerText.replace(/\s+/g, ' ').trim().split(' ').slice(0, 2).join(': ');
+  $(id).replaceChildren(text, ...(target ? [' ', element('button', {className: 'small', textContent: `Step ${name}`, onclick: () => showStep(target)})] : []));
 }
 
 // --- 1: the rig. ---
@@ -199,7 +211,8 @@ function drawBoard(state) {
   drawShoot('board-shoot', state.sets, state);
   $('calibrate').disabled = boards < 3 || isRunning(state) || shooting.running;
   $('calibrate').classList.toggle('primary', state.sets.every(complete) && !state.axis);
-  $('board-note').textContent = boards < 3 ? 'Three attitudes are the least to calibrate with.' : state.sets.every(complete) ? '' : 'More attitudes determine more; the turntable needs its own.';
+  if (state.patterns.length === 0) tellWhy('board-note', 'The patterns are not drawn yet:', 'rig');
+  else tellWhy('board-note', boards < 3 ? 'Three attitudes are the least to calibrate with.' : state.sets.every(complete) ? '' : 'More attitudes determine more; the turntable needs its own.');
   drawBoards(state);
   $('calibration').hidden = !state.calibrated;
   if (state.calibrated && !isRunning(state, 'calibrate') && told.calibrate !== stamp(state, 'calibrate')) tellCalibration(state); // its log comes last
@@ -265,13 +278,15 @@ function drawObject(state) {
   }), ...(object ? [element('button', {className: 'small', textContent: 'Another', onclick: () => { $('object-new').dataset.wanted = 'yes'; drawObject(studio.state); }})] : []));
   drawSets('object-sets', object ? object.sets : [], state);
   $('object-shoot').hidden = $('make').hidden = !object;
-  if (!object) return;
+  if (!object) return state.patterns.length === 0 ? tellWhy('object-note', 'The patterns are not drawn yet:', 'rig') : tellWhy('object-note', '');
   drawShoot('object-shoot', object.sets, state);
   const all = object.sets.every(complete);
   $('make').disabled = !all || (!alone() && !state.axis) || isRunning(state) || shooting.running;
   $('make').classList.toggle('primary', all && !object.view);
   drawKnown(state, object);
-  $('object-note').textContent = all && !alone() && !state.axis ? 'The rig is not calibrated yet (step 2).' : '';
+  if (state.patterns.length === 0) tellWhy('object-note', 'The patterns are not drawn yet:', 'rig');
+  else if (!alone() && !state.axis) tellWhy('object-note', 'The rig is not calibrated yet:', 'board');
+  else tellWhy('object-note', all ? '' : 'All stops are photographed before it is reconstructed.');
 }
 
 // --- How well the stops so far determine the rig. ---
@@ -326,6 +341,10 @@ $('make').addEventListener('click', () => runStep('make'));
 function drawLook(state) {
   const object = objectNow(state), making = isRunning(state, 'make');
   $('viewer').hidden = !object || !object.view || making;
+  for (const card of document.querySelectorAll('#look > .row, #look > .card')) card.classList.toggle('waits', !object || !object.view);
+  if (object && object.view) tellWhy('look-note', '');
+  else if (making) tellWhy('look-note', 'The object is being reconstructed.');
+  else tellWhy('look-note', object ? 'The object is not reconstructed yet:' : 'There is no object yet:', 'object');
   if (!object || !object.view || making) return;
   const page = `file/objects/${object.name}/view.html`, mark = page + stamp(state, 'make');
   if (step === 'look' && $('viewer').dataset.mark !== mark) $('viewer').dataset.mark = mark, $('viewer').src = page;
@@ -407,8 +426,11 @@ studio.listeners.push(drawState);
 for (const button of document.querySelectorAll('#steps button'))
   button.addEventListener('click', () => showStep(button.dataset.step));
 
+addEventListener('popstate', ({state}) => { if (state && STEPS.includes(state.step)) showStep(state.step, true); });
+addEventListener('beforeunload', (event) => { if (shooting.running || watching.on) event.preventDefault(); }); // the browser asks
+
 refresh().then(() => {
-  if (studio.state) showStep(firstOpen(studio.state));
+  if (studio.state) showStep(STEPS.find((name) => '#' + name === location.hash) || firstOpen(studio.state), true);
   window.ready = true;
   if (navigator.mediaDevices) listCameras().catch(() => {});
   follow();
