@@ -281,8 +281,8 @@ class App {
     this.invalidate(true);
   }
 
-  // What is projected at the one end of the pull belongs to the other: the real projector lights the point here by the pixel
-  // that the page had for the point there.
+  // A pull leads from where a projected point is to where it belongs: the real projector lights its beginning by the pixel
+  // that the page had for its end.
   endPull() {
     const {projector, pull} = this, camera = this.renderer.view.camera;
     if (!projector || !pull || !camera || Math.hypot(pull[0][0] - pull[1][0], pull[0][1] - pull[1][1]) < 1) return;
