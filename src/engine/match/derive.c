@@ -86,7 +86,7 @@ static void fill_view(void *argument, int64_t index) {
 
 // Gives every pixel on the object a depth: from the other views' trusted points, then smoothly, then where
 // the pictures under black clearly know better.
-static void fill(FfpDepths *depths, real *range, unsigned char *const *hulls,
+static void fill(FfpDepths *depths, const real *lit, real *range, unsigned char *const *hulls,
                  const FfpMatchSettings *settings, int threads) {
     const FfpCapture *capture = depths->capture;
     const size_t area = (size_t)depths->width * (size_t)depths->height;
@@ -97,7 +97,7 @@ static void fill(FfpDepths *depths, real *range, unsigned char *const *hulls,
     ffp_parallel_for(capture->n_views, 0, fill_view, &(Filling){filled, normals, range, depths});
     real *found = ffp_alloc(area * (size_t)capture->n_views, sizeof(real));
     if (capture->scene)
-        ffp_layout_depths(found, depths, normals, filled);
+        ffp_layout_depths(found, depths, normals, filled, lit);
     else
         ffp_unlit_depths(found, depths, filled, hulls, settings, threads);
     memcpy(depths->depth, found, area * (size_t)capture->n_views * sizeof(real));
@@ -144,7 +144,7 @@ void ffp_judge(FfpInitialisation *initial, const FfpCapture *capture, const real
 void ffp_derive(FfpInitialisation *initial, FfpDepths *depths, real *range, unsigned char *const *hulls,
                 const FfpMatchSettings *settings, int threads) {
     const size_t n = (size_t)initial->views * (size_t)initial->width * (size_t)initial->height;
-    fill(depths, range, hulls, settings, threads);
+    fill(depths, initial->lit, range, hulls, settings, threads);
     memcpy(initial->confidence, depths->trust, n * sizeof(real));
     for (size_t i = 0; i < n; i++)
         if (depths->depth[i] > 0) depths->trust[i] = 1; // a fit's robust weights serve better than these

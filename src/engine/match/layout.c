@@ -4,6 +4,7 @@
 #include "core/base/call.h"
 #include "engine/match/foreground.h"
 #include "engine/match/sweep.h"
+#include "engine/match/thresholds.h"
 #include "engine/match/unlit_work.h"
 
 enum { PLANES_MAX = 14, POINTS_MAX = 8000, SEEDS = 400, FITS = 3 };
@@ -12,9 +13,10 @@ enum { PLANES_MAX = 14, POINTS_MAX = 8000, SEEDS = 400, FITS = 3 };
 #define LEAST_SHARE 0.02F // of all points that make a plane
 #define CHANGE 0.25F      // cost of another plane, or of none, beside a pixel
 #define ODD 0.15F         // cost of lying on no plane
-#define BEYOND 0.1F       // cost of lying e times as far from a plane's middle as its points do,
+#define BEYOND 0.2F       // cost of lying e times as far from a plane's middle as its points do,
 #define USUAL 1.5F        // in units of the root of their mean squared distance
-#define SMALLER 0.03F     // cost of a plane that has e times fewer points than the largest
+#define SMALLER 0.1F      // cost of a plane that has e times fewer points than the largest
+#define UNSEEN 0.2F       // share of both where no other view looks: there the pixels around should tell
 #define OUTSIDE 1.0F      // cost of a plane that the ray does not meet from its front
 
 typedef struct Plane { // normal . x = away; the normal faces the cameras
@@ -128,7 +130,7 @@ typedef struct Layout {
     const FfpUnlit *scene;
     const Plane *planes;
     int count;
-    const real *filled;
+    const real *filled, *lit;
     real *depth;
 } Layout;
 
@@ -158,6 +160,27 @@ static real beyond(const Plane *plane, const FfpView *view, size_t pixel, real z
     return far > 1 ? log(far) : 0;
 }
 
+// What speaks against a plane before any picture is asked: that it is small, and ends before the pixel's
+// point at depth z.
+static real plane_prior(const Layout *l, int k, const FfpView *view, size_t pixel, real z) {
+    return SMALLER * log((real)l->planes[0].points / (real)l->planes[k].points) +
+           BEYOND * beyond(&l->planes[k], view, pixel, z);
+}
+
+// Cost of a pixel without a trusted depth to lie on plane k, at depth z.
+static real plane_cost(const Layout *l, int k, const FfpUnlitRay *ray, size_t pixel, real z) {
+    if (!(z > 0)) return OUTSIDE;
+    const real cost = ffp_unlit_cost(l->scene, ray, z);
+    const real share = cost == FFP_UNLIT_UNKNOWN ? UNSEEN : 1;
+    return cost + share * plane_prior(l, k, &l->scene->depths->capture->views[ray->view], pixel, z);
+}
+
+// Cost of its filled depth. Of an unlit pixel that was found by chance, so that it is no better than unknown.
+static real filled_cost(const Layout *l, const FfpUnlitRay *ray, size_t i) {
+    const real cost = ffp_unlit_cost(l->scene, ray, l->filled[i]);
+    return l->lit[i] >= FFP_LIT_MIN ? cost : fmax(cost, FFP_UNLIT_UNKNOWN);
+}
+
 // Costs of a pixel's labels: the planes, and none of them last.
 static void label_costs(real *cost, const Layout *l, int view, size_t pixel, FfpLine *lines) {
     const FfpDepths *depths = l->scene->depths;
@@ -166,18 +189,11 @@ static void label_costs(real *cost, const Layout *l, int view, size_t pixel, Ffp
     const bool trusted = depths->trust[i] > 0;
     const FfpUnlitRay ray = ffp_unlit_ray(l->scene, view, pixel, lines);
     for (int k = 0; k < l->count; k++) {
-        const real z = depth_on(&l->planes[k], self, pixel);
-        const real slack = 2 * NEAR_PLANE * z / self->camera.fx;
-        if (!(z > 0))
-            cost[k] = OUTSIDE;
-        else if (trusted)
-            cost[k] = fabs(z - depths->depth[i]) <= slack ? 0 : OUTSIDE;
-        else
-            cost[k] = ffp_unlit_cost(l->scene, &ray, z);
-        if (z > 0 && !trusted) cost[k] += BEYOND * beyond(&l->planes[k], self, pixel, z);
-        cost[k] += SMALLER * log((real)l->planes[0].points / (real)l->planes[k].points);
+        const real z = depth_on(&l->planes[k], self, pixel), slack = 2 * NEAR_PLANE * z / self->camera.fx;
+        const bool on = z > 0 && fabs(z - depths->depth[i]) <= slack;
+        cost[k] = trusted ? (on ? 0 : OUTSIDE) : plane_cost(l, k, &ray, pixel, z);
     }
-    cost[l->count] = ODD + (trusted ? 0 : ffp_unlit_cost(l->scene, &ray, l->filled[i]));
+    cost[l->count] = ODD + (trusted ? 0 : filled_cost(l, &ray, i));
 }
 
 static void label_view(void *argument, int64_t index) {
@@ -211,7 +227,8 @@ static void label_view(void *argument, int64_t index) {
     ffp_cancel_point();
 }
 
-void ffp_layout_depths(real *depth, const FfpDepths *depths, const real *normals, const real *filled) {
+void ffp_layout_depths(real *depth, const FfpDepths *depths, const real *normals, const real *filled,
+                       const real *lit) {
     const size_t area = (size_t)depths->width * (size_t)depths->height;
     for (size_t i = 0; i < area * (size_t)depths->capture->n_views; i++) depth[i] = filled[i];
     Point *points = ffp_alloc(POINTS_MAX + 1, sizeof *points);
@@ -221,6 +238,6 @@ void ffp_layout_depths(real *depth, const FfpDepths *depths, const real *normals
     if (count == 0) return;
     FfpUnlit scene = ffp_unlit_new(depths);
     ffp_parallel_for(depths->capture->n_views, 0, label_view,
-                     &(Layout){&scene, planes, count, filled, depth});
+                     &(Layout){&scene, planes, count, filled, lit, depth});
     ffp_unlit_free(&scene);
 }

@@ -7,7 +7,9 @@
 
 // depth [views,h,w]: where a pixel has no trusted depth, `filled` [views,h,w] or the depth of a plane that
 // trusted points lie on, whichever agrees better with the colours under black, with the rays of trusted
-// points and with the pixels around. normals [views,h,w,3]: of trusted points.
-void ffp_layout_depths(real *depth, const FfpDepths *depths, const real *normals, const real *filled);
+// points and with the pixels around. normals [views,h,w,3]: of trusted points. lit [views,h,w] as in
+// FfpInitialisation.
+void ffp_layout_depths(real *depth, const FfpDepths *depths, const real *normals, const real *filled,
+                       const real *lit);
 
 #endif

@@ -10,8 +10,7 @@
 
 #define UNLIKE 0.25F // difference of encoded colours beyond which they are of different surfaces
 #define COMPARED 2   // views that see a point best: of the others something may hide it
-#define UNKNOWN 0.5F // cost where no view can tell,
-#define AGREED 0.1F  // at a trusted point of another view,
+#define AGREED 0.1F  // cost at a trusted point of another view,
 #define EMPTY 1.0F   // and where views see past, or off a silhouette
 #define SLACK 1.0F   // as FFP_SUPPORT_SLACK; planes lie closer than that
 #define LEAN 0.04F   // cost of lying LEAN_REACH or more off the filled depth
@@ -99,7 +98,7 @@ real ffp_unlit_cost(const FfpUnlit *scene, const FfpUnlitRay *ray, real z) {
     if (ffp_support_is_free_space(&said.support)) return EMPTY;
     real cost = 0;
     for (int k = 0; k < said.compared; k++) cost += said.unlike[k] / (real)said.compared;
-    if (said.compared == 0) cost = UNKNOWN;
+    if (said.compared == 0) cost = FFP_UNLIT_UNKNOWN;
     return said.support.trust_agree > said.support.trust_past ? at_most(cost, AGREED) : cost;
 }
 

@@ -25,6 +25,7 @@ typedef struct FfpUnlitRay {
 
 // lines [2 views]: memory for the ray.
 FfpUnlitRay ffp_unlit_ray(const FfpUnlit *scene, int view, size_t pixel, FfpLine *lines);
+#define FFP_UNLIT_UNKNOWN 0.5F // cost of a point that no other view can tell about
 // Cost of the ray's point at camera depth z, [0,1].
 real ffp_unlit_cost(const FfpUnlit *scene, const FfpUnlitRay *ray, real z);
 
