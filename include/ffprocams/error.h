@@ -21,6 +21,7 @@ typedef enum FfpErrorCode {
 typedef struct FfpError {
     char text[768]; // "WHAT (WHERE)", where WHERE is a file, "FILE: FIELD", or empty; "" on success
     FfpErrorCode code;
+    const char *finding; // code of the finding (findings.h) that it tells of; NULL: of none
 } FfpError;
 
 #ifdef __cplusplus

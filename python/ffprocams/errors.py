@@ -30,12 +30,14 @@ class Error(Exception):
         what: the message without the place.
         file: the file concerned, or None.
         field: the field of that file, or the argument concerned, or None.
+        finding: the code of the finding that it tells of ("pattern-mirrored"), or None.
     """
 
     code: ErrorCode
     what: str
     file: str | None
     field: str | None
+    finding: str | None = None
 
     def __str__(self) -> str:
         return str(self.args[0])
@@ -109,7 +111,9 @@ def error_of(err: Any) -> Error:
     missing = _split(text)[0].endswith((os.strerror(errno.ENOENT), "no such file or folder"))
     if missing and code in (ErrorCode.IO, ErrorCode.FILE):
         return MissingFileError(text, ErrorCode.IO)
-    return _CLASSES[code](text, code)
+    error = _CLASSES[code](text, code)
+    error.finding = ffi.string(err.finding).decode() if err.finding else None
+    return error
 
 
 def _split(text: str) -> tuple[str, str]:

@@ -24,6 +24,7 @@ bool ffp_fail(FfpError *err, FfpErrorCode code, const char *where, const char *w
     }
     memcpy(err->text, text, sizeof text);
     err->code = code;
+    err->finding = NULL;
     return false;
 }
 

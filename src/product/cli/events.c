@@ -60,8 +60,8 @@ void ffp_cli_event_log(FfpLogLevel level, const char *text) {
 
 void ffp_cli_event_error(const FfpError *err) {
     if (events)
-        put(json_pack("{s:s, s:b, s:s}", "event", "error", "fault", err->code == FFP_ERROR_FAULT, "text",
-                      err->text));
+        put(json_pack("{s:s, s:b, s:s*, s:s}", "event", "error", "fault", err->code == FFP_ERROR_FAULT,
+                      "code", err->finding, "text", err->text));
 }
 
 void ffp_cli_event_progress(const FfpProgress *p) {

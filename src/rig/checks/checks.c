@@ -125,7 +125,8 @@ static bool try_hypotheses(FfpFindings *found, const FfpCapture *capture, int ac
     c.error = ffp_error_of(capture, active, (FfpGuess){.pattern = &pattern});
     c.chance = ffp_chance_of(capture, active, &pattern, -1);
     c.enough = FITS * fmin(c.error, FFP_RIG_CHANCE_MAX * c.chance);
-    const bool none = ffp_hypotheses_try(found, FFP_VIEWS_BY_LIGHT, &c);
+    const bool none = ffp_hypotheses_try(found, FFP_VIEWS_BY_LIGHT, &c) &&
+                      ffp_hypotheses_try(found, FFP_VALUES_BY_LIGHT, &c);
     ffp_summed_free(&pattern);
     return none;
 }
@@ -176,6 +177,8 @@ static void check_surfaces(FfpFindings *found, const FfpCapture *capture) {
     if (slip.compared == 0) return;
     const int first = slip.first < 0 ? slip.pair : slip.first,
               last = slip.first < 0 ? (slip.pair + 1) % capture->n_views : slip.last;
+    const FfpCase c = {.capture = capture, .active = active, .view = first, .other = last, .enough = 1};
+    if (slip.pairs > 1 && first != last && !ffp_hypotheses_try(found, FFP_VIEWS_BY_DEPTH, &c)) return;
     char turned[64] = "";
     if (slip.turn > 0) snprintf(turned, sizeof turned, ", turned by %.0f degrees", slip.turn);
     look(found, slip.pairs == 0, FFP_RULE_SURFACES,

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
+#include "core/capture/pixel.h"
 #include "core/image/lookup.h"
 #include "core/numerics/rank.h"
 #include "engine/match/coded.h"
@@ -15,7 +16,6 @@
 #define PIXELS_LEAST 16 // fewer are not asked
 #define OUTLIERS 20     // one of so many, the worst, does not count in a guess: some lie beyond the sphere
 #define DEPTHS 128
-#define LIT 0.04F      // linear radiance that white must add in every channel
 #define ERROR_MAX 0.25 // of a pixel's mean square: highlights and shadow edges must not decide
 #define MIRRORS 4      // as it is, left to right, upside down, both
 #define SHIFTS 6       // across the epipolar lines; along them the depth takes a shift up
@@ -65,14 +65,8 @@ static bool place_sample(const FfpView *view, size_t i, Sample *sample) {
 // Of a pixel that is lit and, if `coded`, has a correspondence.
 static bool make_sample(const FfpCapture *capture, const FfpView *view, const FfpImage *photograph,
                         bool coded, size_t i, Sample *sample) {
-    const real *black = view->images[capture->black].data + 3 * i,
-               *white = view->images[capture->white].data + 3 * i;
-    const real *seen = photograph->data + 3 * i;
-    if (view->coverage.data[i] < 1) return false;
-    for (int c = 0; c < 3; c++) {
-        if (!(white[c] - black[c] > LIT) || white[c] > 0.98F) return false; // a clipped pixel tells no ratio
-        sample->colour[c] = (seen[c] - black[c]) / (white[c] - black[c]);
-    }
+    if (view->coverage.data[i] < 1 || !ffp_lit_ratio(capture, view, photograph, i, sample->colour))
+        return false;
     sample->depths = DEPTHS;
     return ffp_chord(capture, &view->camera, i, &sample->chord) && (!coded || place_sample(view, i, sample));
 }

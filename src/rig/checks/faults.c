@@ -6,15 +6,20 @@
 #include "rig/checks/checks.h"
 #include "rig/checks/hypotheses.h"
 
-#define INSIDE 0.5      // radii from the object's centre
-#define BORDER_MOST 0.9 // of the frame's edge that a mask may call object
-#define LAMP 3          // times the others' median: ambient light that another lamp made,
-#define LAMP_LEAST 0.05 // and at least so much of full scale
-#define WELL 0.06       // error of colours that are looked up rightly, at most: no more questions then
-#define CHANCE 0.7      // of what chance explains: less is an explanation
-#define BETTER 0.6      // of the error as it is: what explains so much better is right
-#define ODD 2           // times the others' median: a view that disagrees
-#define ALMOST 1.5      // times the median: an error that is none
+#define INSIDE 0.5         // radii from the object's centre
+#define BORDER_MOST 0.9    // of the frame's edge that a mask may call object
+#define LAMP 3             // times the others' median: ambient light that another lamp made,
+#define LAMP_LEAST 0.05    // and at least so much of full scale
+#define WELL 0.06          // error of colours that are looked up rightly, at most: no more questions then
+#define QUITE_WELL 0.045   // likewise: then they are not asked whether they are sRGB or linear light either
+#define BETTER_VALUES 0.7  // of the error as it is, which the other of these must leave
+#define BETTER 0.6         // of the error as it is: what explains so much better is right
+#define ALIKE 0.05         // of white's light, by which photographs of the same differ
+#define ALIKE_PATTERNS 0.2 // of white, by which patterns differ if their photographs must
+#define GREY 0.02          // of an image's light, by which the channels of one without colour are apart,
+#define COLOURED 0.2       // and those of one with colour
+#define ODD 2              // times the others' median: a view that disagrees
+#define ALMOST 1.5         // times the median: an error that is none
 
 // --- Devices. ---
 
@@ -29,8 +34,22 @@ static bool check_device(FfpFindings *found, const FfpCapture *capture, const Ff
            ffp_found(found, FFP_RULE_DEVICE_FAR, &facts);
 }
 
+// Between camera and projector, as a share of the projector's distance to the object: the most of all views.
+static double widest_baseline(const FfpCapture *capture) {
+    double widest = 0;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpCamera *camera = &capture->views[v].camera, *projector = &capture->views[v].projector;
+        double direction[3], apart = 0;
+        const double distance = ffp_rig_direction(capture, projector, direction);
+        for (int i = 3; i < 12; i += 4) apart += pow((double)(camera->pose[i] - projector->pose[i]), 2);
+        widest = fmax(widest, sqrt(apart) / distance);
+    }
+    return widest;
+}
+
 static bool check_devices(FfpFindings *found, const FfpCapture *capture) {
     int behind = 0;
+    const double apart = widest_baseline(capture);
     for (int v = 0; v < capture->n_views; v++)
         behind += ffp_rig_is_behind(capture, &capture->views[v].camera);
     // Cameras that all look away look the right way in OpenGL's axes.
@@ -41,23 +60,30 @@ static bool check_devices(FfpFindings *found, const FfpCapture *capture) {
             !check_device(found, capture, view, &view->projector, "projector"))
             return false;
     }
-    return true;
+    return apart >= ffp_rule(FFP_RULE_TOGETHER)->limit ||
+           ffp_found(found, FFP_RULE_TOGETHER, &(FfpFacts){.figure = apart});
 }
 
 // --- Photographs that are exchanged or repeated. ---
 
-// A fault if a is darker than b in some or all views, although it cannot be.
-static bool check_order(FfpFindings *found, const FfpCapture *capture, int a, int b) {
+// A fault if a is darker than b in some or all views, although it cannot be. `lights`: b is black; where it
+// is brighter than white, too, the room's light was on. NULL: no matter.
+static bool check_order(FfpFindings *found, const FfpCapture *capture, int a, int b,
+                        const FfpLights *lights) {
     int count = 0, first = 0;
     for (int v = 0; v < capture->n_views; v++) {
         if (!ffp_rig_is_darker(&capture->views[v], a, b)) continue;
         if (count++ == 0) first = v;
     }
     const bool all = count == capture->n_views && count > 1;
-    return count == 0 || ffp_found(found, FFP_RULE_EXCHANGED,
-                                   &(FfpFacts){.view = all ? NULL : capture->views[first].id,
-                                               .a = capture->patterns[b].name,
-                                               .b = capture->patterns[a].name});
+    if (count == 0) return true;
+    const double above = lights ? lights->views[first].reversed / lights->views[first].object : 0;
+    const bool lit = above > ffp_rule(FFP_RULE_BLACK_LIT)->limit;
+    return ffp_found(found, lit ? FFP_RULE_BLACK_LIT : FFP_RULE_EXCHANGED,
+                     &(FfpFacts){.figure = above,
+                                 .view = all ? NULL : capture->views[first].id,
+                                 .a = capture->patterns[b].name,
+                                 .b = capture->patterns[a].name});
 }
 
 static bool same_picture(const FfpImage *a, const FfpImage *b) {
@@ -90,6 +116,25 @@ static void check_repeated_views(FfpFindings *found, const FfpCapture *capture) 
     ffp_free(sums);
 }
 
+// What a pattern shows of white, in the mean.
+static double mean_shown(const FfpCapture *capture, int pattern) {
+    const FfpImage *image = &capture->patterns[pattern].image;
+    if (pattern == capture->black || pattern == capture->white) return pattern == capture->white;
+    return sum_of(image) / (3.0 * image->width * image->height);
+}
+
+// True if the photographs under two patterns differ by hardly any of the projector's light, noise or more.
+static bool shows_same(const FfpCapture *capture, const FfpView *view, int a, int b) {
+    double light = 0, apart = 0;
+    if (same_picture(&view->images[a], &view->images[b])) return true;
+    if (fabs(mean_shown(capture, a) - mean_shown(capture, b)) < ALIKE_PATTERNS) return false;
+    for (ptrdiff_t i = 0; i < (ptrdiff_t)3 * view->camera.width * view->camera.height; i++) {
+        apart += fabs((double)(view->images[a].data[i] - view->images[b].data[i]));
+        light += fabs((double)(view->images[capture->white].data[i] - view->images[capture->black].data[i]));
+    }
+    return apart < ALIKE * light;
+}
+
 // A file that was copied, or a photograph taken before the projector had changed.
 static bool check_repeated(FfpFindings *found, const FfpCapture *capture, int active) {
     for (int v = 0; v < capture->n_views; v++) {
@@ -97,7 +142,7 @@ static bool check_repeated(FfpFindings *found, const FfpCapture *capture, int ac
         const int shown[3] = {capture->black, capture->white, active};
         for (int k = 0; k < (active >= 0 ? 3 : 1); k++) { // the first two are black and white
             const int a = shown[k], b = shown[(k + 1) % 3];
-            if (same_picture(&view->images[a], &view->images[b]))
+            if (shows_same(capture, view, a, b))
                 return ffp_found(found, FFP_RULE_SAME_PHOTOGRAPH,
                                  &(FfpFacts){.view = view->id,
                                              .a = capture->patterns[a].name,
@@ -160,15 +205,15 @@ static void note_above(FfpFindings *found, FfpRuleId rule, double figure) {
 }
 
 static bool check_light(FfpFindings *found, const FfpCapture *capture, int active) {
-    if (!check_masks(found, capture) || !check_order(found, capture, capture->white, capture->black) ||
+    if (!check_masks(found, capture) || !check_order(found, capture, capture->white, capture->black, NULL) ||
         !check_repeated(found, capture, active))
         return false;
     FfpLights lights = ffp_rig_lights(capture, false);
     const FfpObjectLight *all = &lights.all;
     bool ok = check_lit(found, capture, &lights);
     if (ok && active >= 0)
-        ok = check_order(found, capture, capture->white, active) &&
-             check_order(found, capture, active, capture->black);
+        ok = check_order(found, capture, capture->white, active, NULL) &&
+             check_order(found, capture, active, capture->black, &lights);
     if (ok) {
         check_lamps(found, capture, &lights);
         note_above(found, FFP_RULE_NOTE_CLIPPED, all->clipped / all->object);
@@ -231,7 +276,7 @@ static Odd odd_view(const FfpCapture *capture, int active, const FfpSummed *patt
     ffp_free(errors);
     if (n < 3 || !(worst > ODD * out.usual) || worst < WELL) return out;
     out.view = odd;
-    out.sure = worst > CHANCE * ffp_chance_of(capture, active, pattern, odd);
+    out.sure = worst > FFP_LIGHT_EXPLAINED * ffp_chance_of(capture, active, pattern, odd);
     return out;
 }
 
@@ -248,13 +293,37 @@ static bool check_odd_view(FfpFindings *found, const Odd *odd, FfpCase *c) {
 
 static bool check_all_views(FfpFindings *found, FfpCase *c) {
     c->chance = ffp_chance_of(c->capture, c->active, c->pattern, -1);
-    c->enough = fmin(BETTER * c->error, CHANCE * c->chance);
-    return !(c->error > CHANCE * c->chance) ||
+    c->enough = fmin(BETTER * c->error, FFP_LIGHT_EXPLAINED * c->chance);
+    return !(c->error > FFP_LIGHT_EXPLAINED * c->chance) ||
            (ffp_hypotheses_try(found, FFP_VIEWS_BY_LIGHT, c) &&
             ffp_found(found, FFP_RULE_NOTE_CHANCE,
                       &(FfpFacts){.a = c->capture->patterns[c->active].name,
                                   .figure = c->error,
-                                  .limit = CHANCE * c->chance}));
+                                  .limit = FFP_LIGHT_EXPLAINED * c->chance}));
+}
+
+// How far the channels of an image, or of what it adds to black (NULL: to nothing), are apart, as a share of
+// its light.
+static double colour_of(const FfpImage *image, const FfpImage *black) {
+    double light = 0, apart = 0;
+    for (ptrdiff_t i = 0; i < (ptrdiff_t)image->width * image->height; i++) {
+        double p[3];
+        for (int c = 0; c < 3; c++)
+            p[c] = (double)image->data[3 * i + c] - (black ? (double)black->data[3 * i + c] : 0);
+        light += fabs(p[0] + p[1] + p[2]);
+        apart += fabs(p[0] - p[1]) + fabs(p[1] - p[2]) + fabs(p[2] - p[0]);
+    }
+    return apart / fmax(light, 1e-9);
+}
+
+static bool check_colour(FfpFindings *found, const FfpCapture *capture, int active) {
+    double most = 0;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpImage *images = capture->views[v].images;
+        most = fmax(most, colour_of(&images[active], &images[capture->black]));
+    }
+    return most >= GREY || colour_of(&capture->patterns[active].image, NULL) < COLOURED ||
+           ffp_found(found, FFP_RULE_GREY, &(FfpFacts){.a = capture->patterns[active].name});
 }
 
 static bool check_pattern(FfpFindings *found, const FfpCapture *capture, int active) {
@@ -262,11 +331,14 @@ static bool check_pattern(FfpFindings *found, const FfpCapture *capture, int act
     FfpCase c = {.capture = capture, .active = active, .pattern = &pattern, .view = -1};
     const Odd odd = odd_view(capture, active, &pattern);
     c.error = ffp_error_of(capture, active, (FfpGuess){.pattern = &pattern});
-    const bool well = odd.usual < WELL && odd.view < 0;
+    c.enough = BETTER_VALUES * c.error;
     // Of stripes, every guess explains them.
-    const bool ok = well || (c.error < FFP_RIG_SHOWN && !ffp_rig_tells(capture, active)) ? true
+    const bool ok = (odd.usual < QUITE_WELL && odd.view < 0) ||
+                            (c.error < FFP_RIG_SHOWN && !ffp_rig_tells(capture, active))
+                        ? true
+                    : odd.view < 0 && !ffp_hypotheses_try(found, FFP_VALUES_BY_LIGHT, &c) ? false
                     : odd.usual >= WELL ? check_all_views(found, &c)
-                                        : check_odd_view(found, &odd, &c);
+                                        : odd.view < 0 || check_odd_view(found, &odd, &c);
     ffp_summed_free(&pattern);
     return ok;
 }
@@ -277,7 +349,7 @@ bool ffp_rig_faults(FfpFindings *found, const FfpCapture *capture) {
     const int active = ffp_capture_active_pattern(capture, NULL, NULL);
     return check_devices(found, capture) && check_light(found, capture, active) &&
            (capture->scene || check_silhouettes(found, capture, active)) &&
-           (active < 0 || check_pattern(found, capture, active));
+           (active < 0 || (check_colour(found, capture, active) && check_pattern(found, capture, active)));
 }
 
 bool ffp_rig_suspect(const FfpCapture *capture, FfpError *err) {

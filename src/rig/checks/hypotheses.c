@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 #include "core/base/arena.h"
+#include "rig/checks/slip.h"
 
-#define EXPLAINED 0.7        // of what chance explains: less is an explanation
 #define CLEARLY 0.8          // of a mirrored pattern's error: what mirrored photographs must leave at most
 #define PREFERRED 0.7        // likewise of a camera's size as it is
 #define FITS_WELL 0.08       // error of colours that are looked up rightly, at most
@@ -248,6 +248,20 @@ static bool suppose_exchange(Trial *t, const FfpCase *c, int variant) {
            take_photographs(&t->capture.views[pair[1]], &views[pair[0]]);
 }
 
+static bool suppose_exchange_of_two(Trial *t, const FfpCase *c, int variant) {
+    const FfpView *views = c->capture->views;
+    (void)variant;
+    return take_photographs(&t->capture.views[c->view], &views[c->other]) &&
+           take_photographs(&t->capture.views[c->other], &views[c->view]);
+}
+
+static FfpRuleId tell_exchange_of_two(const FfpCase *c, int variant, FfpFacts *facts) {
+    (void)variant;
+    facts->view = c->capture->views[c->view].id;
+    facts->other = c->capture->views[c->other].id;
+    return FFP_RULE_VIEWS_EXCHANGED;
+}
+
 static FfpRuleId tell_exchange(const FfpCase *c, int variant, FfpFacts *facts) {
     int pair[2];
     suspects_of(c, variant, pair);
@@ -285,6 +299,43 @@ static bool suppose_red_and_blue(Trial *t, const FfpCase *c, int variant) {
 static FfpRuleId tell_red_and_blue(const FfpCase *c, int variant, FfpFacts *facts) {
     (void)c, (void)variant, (void)facts;
     return FFP_RULE_RED_AND_BLUE;
+}
+
+// Linear light that was read as sRGB, and sRGB that was read as linear light.
+static bool suppose_encoding(Trial *t, const FfpCase *c, int variant) {
+    const int shown[3] = {c->capture->black, c->capture->white, c->active};
+    for (int v = 0; v < t->capture.n_views; v++) {
+        FfpView *view = &t->capture.views[v];
+        const FfpImage *taken = view->images;
+        view->images = ffp_arena_alloc(t->memory, (size_t)t->capture.n_patterns, sizeof *view->images);
+        for (int k = 0; k < 3; k++) {
+            FfpImage *image = &view->images[shown[k]];
+            *image = taken[shown[k]];
+            if (!image->data) return false;
+            const size_t n = 3 * (size_t)image->width * (size_t)image->height;
+            image->data = ffp_arena_take(t->memory, n, sizeof *image->data);
+            for (size_t i = 0; i < n; i++) {
+                const real value = taken[shown[k]].data[i];
+                image->data[i] = variant ? ffp_srgb_decode(value) : ffp_srgb_encode(value);
+            }
+        }
+    }
+    return true;
+}
+
+// Other values have another error by chance.
+static bool encoding_agrees(const FfpCase *c, int variant) {
+    Trial t = trial_new(c->capture, c->active);
+    suppose_encoding(&t, c, variant);
+    const double chance = ffp_chance_of(&t.capture, c->active, c->pattern, -1), error = light_in(&t, c);
+    ffp_arena_free(t.memory);
+    return error < FFP_LIGHT_EXPLAINED * chance;
+}
+
+static FfpRuleId tell_encoding(const FfpCase *c, int variant, FfpFacts *facts) {
+    (void)c;
+    facts->b = variant ? "sRGB" : "linear light";
+    return FFP_RULE_ENCODING;
 }
 
 // Half and twice; and with the object's bounds estimated again, which may come from the wrong size.
@@ -328,7 +379,8 @@ static void multiply(const real a[16], const real b[16], real out[16]) {
         for (int k = 0; k < 4; k++) out[i] += a[i / 4 * 4 + k] * b[4 * k + i % 4];
 }
 
-// The projector's pose in the world; and its motion from the camera, which a turntable carries along.
+// The projector's pose in the world; its motion from the camera, which a turntable carries along; and that
+// motion's rotation alone.
 static bool suppose_inverted(Trial *t, const FfpCase *c, int variant) {
     (void)c;
     for (int v = 0; v < t->capture.n_views; v++) {
@@ -338,9 +390,15 @@ static bool suppose_inverted(Trial *t, const FfpCase *c, int variant) {
             invert(view->projector.pose, pose);
         } else {
             invert(view->projector.pose, motion);
-            multiply(motion, view->camera.pose,
-                     to_camera); // camera to projector, where the reverse was meant
-            multiply(view->camera.pose, to_camera, pose);
+            multiply(motion, view->camera.pose, to_camera); // camera to projector
+            if (variant == 1) {                             // where the reverse was meant
+                multiply(view->camera.pose, to_camera, pose);
+            } else {
+                invert(to_camera, motion);
+                for (int i = 3; i < 12; i += 4) motion[i] = to_camera[i];
+                invert(motion, to_camera);
+                multiply(view->camera.pose, to_camera, pose);
+            }
         }
         memcpy(view->projector.pose, pose, sizeof pose);
     }
@@ -348,7 +406,8 @@ static bool suppose_inverted(Trial *t, const FfpCase *c, int variant) {
 }
 
 static FfpRuleId tell_inverted(const FfpCase *c, int variant, FfpFacts *facts) {
-    (void)c, (void)variant, (void)facts;
+    (void)c;
+    facts->b = variant < 2 ? "poses" : "rotation";
     return FFP_RULE_PROJECTOR_INVERTED;
 }
 
@@ -367,7 +426,7 @@ static bool pattern_agrees(const FfpCase *c, int variant) {
     const double chance = ffp_chance_of(c->capture, c->active, &summed, -1),
                  error = ffp_error_of(c->capture, c->active, (FfpGuess){.pattern = &summed});
     ffp_summed_free(&summed);
-    return error < EXPLAINED * chance;
+    return error < FFP_LIGHT_EXPLAINED * chance;
 }
 
 static FfpRuleId tell_pattern(const FfpCase *c, int variant, FfpFacts *facts) {
@@ -426,11 +485,13 @@ static const struct Hypothesis {
     {FFP_VIEWS_BY_LIGHT, MIRRORS, suppose_mirror, NULL, NULL, tell_mirror},
     {FFP_VIEWS_BY_LIGHT, 1, suppose_red_and_blue, NULL, NULL, tell_red_and_blue},
     {FFP_VIEWS_BY_LIGHT, 4, suppose_projector_size, NULL, enough_to_reach, tell_projector_size},
-    {FFP_VIEWS_BY_LIGHT, 2, suppose_inverted, NULL, NULL, tell_inverted},
+    {FFP_VIEWS_BY_LIGHT, 3, suppose_inverted, NULL, NULL, tell_inverted},
+    {FFP_VALUES_BY_LIGHT, 2, suppose_encoding, encoding_agrees, NULL, tell_encoding},
     {FFP_VIEWS_BY_LIGHT, FFP_PATTERNS_MAX, suppose_pattern, pattern_agrees, NULL, tell_pattern},
     {FFP_VIEW_BY_LIGHT, MISHAPS, suppose_mishap_alone, mishap_fits, NULL, tell_mishap},
     {FFP_VIEW_BY_LIGHT, FFP_VIEWS_MAX, suppose_photograph, photograph_agrees, NULL, tell_photograph},
     {FFP_VIEW_BY_LIGHT, FFP_PATTERNS_MAX, suppose_pattern_once, NULL, NULL, tell_pattern_once},
+    {FFP_VIEWS_BY_DEPTH, 1, suppose_exchange_of_two, NULL, NULL, tell_exchange_of_two},
 };
 
 // --- The loop. ---
@@ -441,7 +502,9 @@ static double left_by(const struct Hypothesis *h, const FfpCase *c, int variant,
     double left = INFINITY;
     if (h->suppose(&t, c, variant)) {
         const bool by_shape = h->evidence == FFP_VIEW_BY_SHAPE || h->evidence == FFP_VIEWS_BY_SHAPE;
-        left = by_shape ? ffp_rig_misfit_below(&t.capture, c->enough) : light_in(&t, c);
+        left = by_shape                            ? ffp_rig_misfit_below(&t.capture, c->enough)
+               : h->evidence == FFP_VIEWS_BY_DEPTH ? ffp_rig_slip(&t.capture, c->active).pairs
+                                                   : light_in(&t, c);
         // Mirrored photographs and a mirrored pattern look alike from above the projector.
         if (h->suppose == suppose_mirror && variant >= PHOTOGRAPHS_ACROSS) left /= CLEARLY;
         if (!(left < least) || !(left < (h->enough ? h->enough(c, &t) : c->enough))) left = INFINITY;

@@ -8,21 +8,26 @@
 
 // The kind of contradiction, and its measure.
 typedef enum FfpEvidence {
-    FFP_VIEW_BY_SHAPE,  // one view, by silhouettes
-    FFP_VIEWS_BY_SHAPE, // all
-    FFP_VIEWS_BY_LIGHT, // all, by the structured light
-    FFP_VIEW_BY_LIGHT,  // one
+    FFP_VIEW_BY_SHAPE,   // one view, by silhouettes
+    FFP_VIEWS_BY_SHAPE,  // all
+    FFP_VIEWS_BY_LIGHT,  // all, by the structured light
+    FFP_VIEW_BY_LIGHT,   // one
+    FFP_VALUES_BY_LIGHT, // what the values of all photographs stand for
+    FFP_VIEWS_BY_DEPTH,  // two, by the surfaces that the light of each gives: how many pairs lie apart
 } FfpEvidence;
 
 typedef struct FfpCase {
     const FfpCapture *capture;
     int active;                   // the structured light's pattern; -1: none
     const FfpSummed *pattern;     // its picture
-    int view;                     // the one view
+    int view, other;              // the one view, or the two
     const FfpSilhouettes *shapes; // by silhouettes
     double error, chance;         // by light: as it is, and by chance
     double enough;                // share of the pixels or error that is an explanation
 } FfpCase;
+
+// Of the error by chance: less, and the pattern explains a photograph.
+#define FFP_LIGHT_EXPLAINED 0.7
 
 // Adds the fault that explains the case best of those of the first kind that does. False: one did.
 bool ffp_hypotheses_try(FfpFindings *found, FfpEvidence evidence, const FfpCase *c);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
+#include "core/capture/pixel.h"
 #include "rig/checks/chord.h"
 #include "rig/checks/measure.h"
 
@@ -12,17 +13,6 @@
 #define PIXELS_OF_MANY 32 // and of each at least: work grows as the number of views
 #define DEPTHS 160
 #define ODD_LEAST 0.01 // of the pixels: less says nothing about any view
-
-// Background in the pixel and all around it.
-static bool is_background(const FfpImage *coverage, real x, real y) {
-    const int column = (int)floor((double)x), row = (int)floor((double)y);
-    for (int k = 0; k < 9; k++) {
-        const int px = column + k % 3 - 1, py = row + k / 3 - 1;
-        if (px < 0 || py < 0 || px >= coverage->width || py >= coverage->height) return false;
-        if (coverage->data[(ptrdiff_t)py * coverage->width + px] > 0) return false;
-    }
-    return true;
-}
 
 // True if no view shows the point as background. If a single one does, it is marked in `deniers` [n_views]
 // (NULL: not wanted).
@@ -34,7 +24,7 @@ static bool is_possible(const FfpCapture *capture, const real point[3], unsigned
         const bool ahead = ffp_project(&view->camera, point, &x, &y) > 0;
         const bool shown =
             ahead && x >= 0 && y >= 0 && x < (real)view->camera.width && y < (real)view->camera.height;
-        if (!shown || !is_background(&view->coverage, x, y)) continue;
+        if (!shown || !ffp_is_background(&view->coverage, (int)x, (int)y)) continue;
         if (!deniers || denier >= 0) return false;
         denier = v;
     }

@@ -5,6 +5,7 @@
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 #include "core/base/rigid.h"
+#include "core/capture/pixel.h"
 #include "core/capture/reduce.h"
 #include "core/capture/small.h"
 #include "core/numerics/least_squares.h"
@@ -13,7 +14,6 @@
 #include "rig/checks/measure.h"
 
 // Lengths in radii of the object's sphere.
-#define LIT 0.04F        // linear radiance that white must add in every channel
 #define REACH 2          // pixels to either side that a plane is fitted to
 #define SAMPLES 400      // pixels of a view that are compared with a neighbour
 #define ALIKE 0.7F       // cosine between normals of the same surface
@@ -53,11 +53,8 @@ typedef struct Pair {
 
 // Correspondences, where a view has any, give the only depths that count.
 static bool is_lit(const FfpCapture *capture, const FfpView *view, size_t i) {
-    const real *black = view->images[capture->black].data + 3 * i,
-               *white = view->images[capture->white].data + 3 * i;
     if (view->correspondence.data && !(view->correspondence.data[3 * i + 2] > 0)) return false;
-    return view->coverage.data[i] >= 0.99F && white[0] - black[0] > LIT && white[1] - black[1] > LIT &&
-           white[2] - black[2] > LIT;
+    return view->coverage.data[i] >= 0.99F && ffp_is_lit(capture, view, i);
 }
 
 // Matched as if it were the only view.

@@ -24,7 +24,7 @@ static bool as_problem(FfpAttitude *a, const FfpShotFolder *folder, FfpError *er
     if (error->code == FFP_ERROR_FILE || error->code == FFP_ERROR_IO ||
         error->code == FFP_ERROR_UNSUPPORTED) {
         for (int i = 0; i < folder->n_files; i++) shorten_paths(error->text, folder->files[i], folder->name);
-        snprintf(a->problem, sizeof a->problem, "%s", error->text);
+        ffp_attitude_leave_out(a, error);
         return true;
     }
     if (err) *err = *error;
@@ -40,7 +40,7 @@ static void settle_size(FfpRigFit *fit, FfpAttitude *a, const FfpImage *white) {
     snprintf(usual, sizeof usual, "%d x %d", camera->width, camera->height);
     ffp_fail_by(FFP_RULE_TURNED_PICTURES, &(FfpFacts){.x = white->width, .y = white->height, .a = usual},
                 NULL, &why);
-    snprintf(a->problem, sizeof a->problem, "%s", why.text);
+    ffp_attitude_leave_out(a, &why);
 }
 
 static bool read_codes(const FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *folder,
@@ -155,14 +155,13 @@ static void check_tags(FfpRigFit *fit, const FfpShotFolders *folders) {
     for (int i = 0; i < folders->n; i++) {
         const FfpShotFolder *folder = &folders->folders[i];
         tags[i] = ffp_tag_of(folder->files, folder->n_files, NULL, &mixed);
-        if (tags[i] == 0)
-            snprintf(fit->attitudes[i].problem, sizeof fit->attitudes[i].problem, "%s", mixed.text);
+        if (tags[i] == 0) ffp_attitude_leave_out(&fit->attitudes[i], &mixed);
     }
     const int usual = ffp_tag_usual(tags, folders->n);
     for (int i = 0; i < folders->n; i++) {
         if (tags[i] == 0 || tags[i] == usual) continue;
         ffp_tag_fail(folders->folders[i].name, tags[i], usual, NULL, &other);
-        snprintf(fit->attitudes[i].problem, sizeof fit->attitudes[i].problem, "%s", other.text);
+        ffp_attitude_leave_out(&fit->attitudes[i], &other);
     }
     ffp_free(tags);
 }

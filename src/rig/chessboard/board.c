@@ -21,6 +21,11 @@ void ffp_attitude_free(FfpAttitude *a) {
     *a = (FfpAttitude){0};
 }
 
+void ffp_attitude_leave_out(FfpAttitude *a, const FfpError *why) {
+    snprintf(a->problem, sizeof a->problem, "%s", why->text);
+    a->finding = why->finding;
+}
+
 bool ffp_board_read(FfpImage *grey, const char *path, FfpError *err) {
     FfpImage image;
     if (!ffp_photograph_read(&image, NULL, path, false, NULL, err)) return false;

@@ -34,11 +34,14 @@ typedef struct FfpAttitude {
     double clipped;                     // share of the board's light pixels that are saturated under white
     int dropped[2];                     // finest bits of columns and rows that the photographs do not resolve
     char problem[768];                  // why it is left out; "": it is not
+    const char *finding;                // code of the finding that this is; NULL: of none
     FfpImage picture;                   // of the board, small, for the report; [height,width,1]
     double scale;                       // its pixels to one of the camera's
 } FfpAttitude;
 
 void ffp_attitude_free(FfpAttitude *attitude);
+// Leaves it out by an error of its photographs.
+void ffp_attitude_leave_out(FfpAttitude *attitude, const FfpError *why);
 
 // A picture as camera values, sRGB-encoded luminance in [0,1]. [height,width,1]
 bool ffp_board_read(FfpImage *grey, const char *path, FfpError *err);

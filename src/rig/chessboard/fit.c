@@ -39,9 +39,12 @@ int ffp_attitudes_used(const FfpRigFit *fit) {
 static bool too_few(const FfpRigFit *fit, FfpError *err) {
     char why[640];
     ffp_list_problems(fit, why, sizeof why);
-    return ffp_fail(err, FFP_ERROR_FILE, NULL,
-                    "%d of %d attitudes of the board can be used, but %d are needed%s",
-                    ffp_attitudes_used(fit), fit->n, FFP_FIT_ATTITUDES_LEAST, why);
+    ffp_fail(err, FFP_ERROR_FILE, NULL, "%d of %d attitudes of the board can be used, but %d are needed%s",
+             ffp_attitudes_used(fit), fit->n, FFP_FIT_ATTITUDES_LEAST, why);
+    for (int i = fit->n - 1; i >= 0; i--)
+        if (fit->attitudes[i].finding && err)
+            err->finding = fit->attitudes[i].finding; // the first that is one
+    return false;
 }
 
 static bool enough(const FfpRigFit *fit, FfpError *err) {

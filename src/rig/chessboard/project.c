@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 #include "rig/chessboard/board.h"
+#include "rig/findings/tell.h"
 
 #define WINDOW 0.5 // half a side of a corner's surroundings, in distances to its nearest neighbour
 enum { HALF_LEAST = 5, HALF_MOST = 40, SAMPLES_A_SIDE = 40 };
@@ -102,24 +103,13 @@ static bool check_plane(const FfpBoard *board, double longest, FfpAttitude *a, P
 // Finds faults of the codes as a whole.
 static void judge(FfpAttitude *a, const int states[FFP_CORNER_STATES], double share, bool mirrored) {
     const int good = states[FFP_CORNER_USED], uneven = states[FFP_CORNER_UNEVEN];
-    if (good + uneven < ENOUGH * a->n)
-        snprintf(
-            a->problem, sizeof a->problem,
-            "the codes can be read around only %d of %d corners: the projector does not reach the board, "
-            "or the stripes are too faint or too fine for the camera",
-            good + uneven, a->n);
-    else if (good < FITTING * (good + uneven) || share < FITTING)
-        snprintf(
-            a->problem, sizeof a->problem,
-            "the positions decoded on the board do not lie on a plane: the photographs are not numbered in "
-            "the order in which the patterns were shown, the panel has another size, or the board moved");
-    else if (mirrored)
-        snprintf(
-            a->problem, sizeof a->problem,
-            "the codes show the board's mirror image on the panel: the camera's program or the projector "
-            "(rear projection, a ceiling mount) mirrors its pictures; or the coarsest code of the columns, "
-            "or "
-            "of the rows, is swapped with its inverse, or columns are swapped with rows");
+    const FfpRuleId rule = good + uneven < ENOUGH * a->n                         ? FFP_RULE_BOARD_DARK
+                           : good < FITTING * (good + uneven) || share < FITTING ? FFP_RULE_BOARD_UNEVEN
+                                                                                 : FFP_RULE_BOARD_MIRRORED;
+    FfpError why = {0};
+    if (rule == FFP_RULE_BOARD_MIRRORED && !mirrored) return;
+    ffp_fail_by(rule, &(FfpFacts){.x = good + uneven, .y = a->n}, NULL, &why);
+    ffp_attitude_leave_out(a, &why);
 }
 
 bool ffp_board_project(const FfpBoard *board, const FfpImage *map, const int dropped[2], const int size[2],

@@ -97,6 +97,11 @@ static const FfpRule rules[FFP_RULES] = {
                              "the {a} is {figure:.0f} times the object's radius away",
                              "check the unit of lengths", FORCE},
 
+    [FFP_RULE_TOGETHER] =
+        {"devices-together", FAULT, "devices", "of the distance to the object", 0.01,
+         "camera and projector are only {figure:.2%} of their distance to the object apart",
+         "check the unit of T: it must be that of the turntable's axis (metres, millimetres)", FORCE},
+
     // --- Silhouettes. ---
     [FFP_RULE_SILHOUETTES] = {"silhouettes", OK, SILHOUETTES, NULL, NULL},
     [FFP_RULE_VIEW_CONTRADICTS] = {"view-contradicts", DOUBT, SILHOUETTES,
@@ -156,9 +161,12 @@ static const FfpRule rules[FFP_RULES] = {
     [FFP_RULE_EXCHANGED] = {"photographs-exchanged", FAULT, "black level", NULL, 0,
                             "the photographs under {a} and {b} are exchanged",
                             "exchange their files: the object is darker under {b}", FORCE},
+    [FFP_RULE_BLACK_LIT] = {"room-light-on", FAULT, "black level", OBJECTS_PIXELS, 0.02,
+                            "its photograph under black is brighter than that under {b}, and than white in "
+                            "{figure:.0%} of the object's pixels",
+                            "was the room's light on? Take it again", FORCE},
     [FFP_RULE_SAME_PHOTOGRAPH] = {"photograph-repeated", FAULT, "photographs", NULL, 0,
-                                  "the photographs under {a} and {b} are one and the same", "take it again",
-                                  FORCE},
+                                  "the photographs under {a} and {b} show the same", "take it again", FORCE},
     [FFP_RULE_SAME_VIEW] = {"view-repeated", NOTE, "photographs", NULL, 0,
                             "view {view} has the photograph under white of view {other}", "take it again",
                             NULL},
@@ -234,8 +242,16 @@ static const FfpRule rules[FFP_RULES] = {
                                  "it was calibrated at {x:.0f} x {y:.0f} pixels, not at the pattern's {c}",
                                  FORCE},
     [FFP_RULE_PROJECTOR_INVERTED] = {"projector-inverted", FAULT, "pattern", LOOKUP_ERROR, 0,
-                                     "the photographs under {a} fit with the projector's poses inverted",
-                                     "its R and T have the other direction", FORCE},
+                                     "the photographs under {a} fit with the projector's {b} inverted",
+                                     "its R and T have the other direction, or R is transposed (MATLAB)",
+                                     FORCE},
+    [FFP_RULE_ENCODING] = {"photographs-encoding", FAULT, "pattern", LOOKUP_ERROR, 0,
+                           "the photographs under {a} fit when their values are taken as {b}",
+                           "import them again as that: `--linear images` says that they hold linear light",
+                           FORCE},
+    [FFP_RULE_GREY] = {"photographs-grey", FAULT, "pattern", NULL, 0,
+                       "the photographs under {a} have no colour, but the pattern has",
+                       "take photographs in colour, or show patterns without any", FORCE},
     [FFP_RULE_OTHER_PATTERN] = {"other-pattern", FAULT, "pattern", LOOKUP_ERROR, 0,
                                 "the photographs under {a} show {b}", "name the pattern that was shown",
                                 FORCE},
@@ -308,6 +324,23 @@ static const FfpRule rules[FFP_RULES] = {
                              NULL},
 
     // --- Photographs, as they are imported. ---
+    [FFP_RULE_MASKS_EMPTY] = {"masks-empty", FAULT, "masks", NULL, 0, "the masks of all views are black",
+                              "they must be white on the object", NULL},
+    [FFP_RULE_NO_OBJECT] = {"no-object", FAULT, "stage", NULL, 0,
+                            "no view shows anything that the empty stage does not", "is the object missing?",
+                            NULL},
+    [FFP_RULE_STAGE_EXCHANGED] =
+        {"stage-exchanged", FAULT, "stage", NULL, 0,
+         "the stage is brighter under black ({x:.4f} of full scale) than under white "
+         "({y:.4f})",
+         "the two pictures are exchanged", NULL},
+    [FFP_RULE_STAGE_DIFFERS] = {"stage-differs", FAULT, "stage", "of full scale", 0,
+                                "under black this view differs from the empty stage by {figure:.2f} of full "
+                                "scale",
+                                "was the room's light or the exposure changed?", NULL},
+    [FFP_RULE_STAGE_UNLIKE] = {"stage-unlike", FAULT, "stage", ALL_PIXELS, 0,
+                               "only {figure:.0%} of this view looks like the empty stage",
+                               "was the camera moved, or another exposure or other light used?", NULL},
     [FFP_RULE_STAGE_ELSEWHERE] =
         {"stage-elsewhere", DOUBT, "stage", NULL, 0,
          "the empty stage was photographed from another place, or the camera was moved since: it looks like "
@@ -385,7 +418,7 @@ static const FfpRule rules[FFP_RULES] = {
          "the numbers of the photographs begin again: '{b}' is taken to come after '{a}'", NULL, NULL},
     [FFP_RULE_ONE_LATE] =
         {"photographs-late", FAULT, "photographs", NULL, 0,
-         "every photograph shows the pattern before its own: '{a}' shows black and '{b}' white",
+         "every photograph shows the pattern before its own: '{b}', which should be white, shows black",
          "the camera was too early: wait longer after showing a pattern, and photograph again", NULL},
     [FFP_RULE_LATE_FROM] =
         {"photographs-late-from", FAULT, "photographs", NULL, 0,
@@ -398,6 +431,64 @@ static const FfpRule rules[FFP_RULES] = {
          "'{a}' and '{b}' show the same: one of them should be the projector's white",
          "the photograph was taken before the projector had changed, or a file was copied: take it again",
          NULL},
+    [FFP_RULE_COUNT] = {"photographs-missing", FAULT, "photographs", NULL, 0,
+                        "{x:.0f} photographs, but a projector of {a} pixels requires {y:.0f}",
+                        "photograph black, white and every Gray code followed by its inverse, or give the "
+                        "panel's right size",
+                        NULL},
+    [FFP_RULE_NO_PLAIN] = {"no-black-and-white", FAULT, "photographs", NULL, 0,
+                           "neither the first two photographs nor the last two are the projector black and "
+                           "white",
+                           "number them in the order in which they were shown, and keep the exposure", NULL},
+    [FFP_RULE_NO_PLAIN_LIT] = {"black-and-white-alike", FAULT, "photographs", NULL, 0,
+                               "black and white cannot be told apart in the first two photographs or in the "
+                               "last two",
+                               "nothing is lit, or everything is overexposed", NULL},
+    [FFP_RULE_PLAIN_SWAPPED] = {"black-and-white-swapped", FAULT, "photographs", NULL, 0,
+                                "white is darker than black", "exchange their files", NULL},
+    [FFP_RULE_NOTHING_LIT] = {"nothing-lit", FAULT, "photographs", NULL, 0,
+                              "white is hardly brighter than black",
+                              "was the projector on, and its light on what the camera sees?", NULL},
+    [FFP_RULE_BOTH_CLIPPED] = {"white-and-black-overexposed", FAULT, "exposure", NULL, 0,
+                               "white is hardly brighter than black, and both are overexposed",
+                               "shorten the exposure", NULL},
+    [FFP_RULE_CODES_SWAPPED] = {"codes-swapped", FAULT, "codes", NULL, 0, "{a} seem to be swapped",
+                                "exchange their files", NULL},
+    [FFP_RULE_CODES_ORDER] =
+        {"codes-out-of-order", FAULT, "codes", NULL, 0, "{b}",
+         "codes must be ordered coarsest first, columns before rows, each followed by its "
+         "inverse",
+         NULL},
+    [FFP_RULE_CODES_NO_PAIR] = {"codes-no-pair", FAULT, "codes", NULL, 0,
+                                "it and '{a}' are not each other's inverse",
+                                "number the photographs in the order in which they were shown, or take them "
+                                "again if something moved",
+                                NULL},
+    [FFP_RULE_CODES_EXPOSURE] = {"codes-exposure", FAULT, "codes", NULL, 0,
+                                 "it and '{a}' together are {b} than black and white ({x:.2f} of them)",
+                                 "the exposure changed: exposure, aperture, ISO and white balance must stay "
+                                 "the same",
+                                 NULL},
+    [FFP_RULE_CODES_ELSEWHERE] =
+        {"codes-elsewhere", FAULT, "codes", "pixels of the projector", 0,
+         "view '{view}': half of {x:.0f} decoded positions are {figure:.1f} or more "
+         "projector pixels away from where the calibration puts them",
+         "check the order of the photographs (coarsest first, columns before rows, each "
+         "followed by its inverse), the projector's size and the poses",
+         NULL},
+    [FFP_RULE_CODES_MISSING] =
+        {"codes-missing", FAULT, "codes", NULL, 0,
+         "only {x:.0f} of {y:.0f} photographs of Gray codes were found, and these do not "
+         "fit together",
+         "is the projector's size right? Otherwise: {a}", NULL},
+    [FFP_RULE_PANEL_SIDES] = {"panel-sides", FAULT, "codes", NULL, 0,
+                              "the rows' codes begin here, as on a panel of {y:.0f} x {x:.0f} pixels",
+                              "the panel's width and height, {x:.0f} x {y:.0f}, are exchanged", NULL},
+    [FFP_RULE_PANEL_SIZE] =
+        {"panel-size", FAULT, "codes", "share of the pixels", 0,
+         "according to it and the codes after it, {figure:.0%} of the pixels see {a} beyond "
+         "the panel's {x:.0f}",
+         "the panel has another size, or {b} are swapped", NULL},
     [FFP_RULE_CODES_CLIPPED] =
         {"codes-overexposed", FAULT, "exposure", LIGHT_CLIPPED,
          "{figure:.0%} of what the projector lights in '{a}' are at the camera's limit",
@@ -422,6 +513,25 @@ static const FfpRule rules[FFP_RULES] = {
          "the projector alone fits with {figure:.2f} pixels, the camera with {x:.2f}",
          "the panel does not show the patterns pixel by pixel: switch keystone, four-corner and lens-shift "
          "correction, overscan and scaling off, and photograph again",
+         NULL},
+    [FFP_RULE_BOARD_DARK] =
+        {"board-not-lit", FAULT, "calibration", NULL, 0,
+         "the codes can be read around only {x:.0f} of {y:.0f} corners",
+         "the projector does not reach the board, or the stripes are too faint or too fine "
+         "for the camera",
+         NULL},
+    [FFP_RULE_BOARD_UNEVEN] =
+        {"board-uneven", FAULT, "calibration", NULL, 0,
+         "the positions decoded on the board do not lie on a plane",
+         "the photographs are not numbered in the order in which the patterns were shown, "
+         "the panel has another size, or the board moved",
+         NULL},
+    [FFP_RULE_BOARD_MIRRORED] =
+        {"board-mirrored", FAULT, "calibration", NULL, 0,
+         "the codes show the board's mirror image on the panel",
+         "the camera's program or the projector (rear projection, a ceiling mount) "
+         "mirrors its pictures; or the coarsest code of the columns, or of the rows, is "
+         "swapped with its inverse, or columns are swapped with rows",
          NULL},
     [FFP_RULE_ATTITUDE] = {"attitudes-left-out", DOUBT, "calibration", NULL, 0, "{a} left out: {b}", NULL,
                            NULL},

@@ -166,23 +166,26 @@ static void log_finding(const FfpFinding *finding) {
     ffp_free(line);
 }
 
+static bool fail_with(const FfpFinding *finding, FfpErrorCode code, const char *where, FfpError *err) {
+    char *line = line_of(finding);
+    ffp_fail(err, code, where, "%s", line);
+    if (err) err->finding = finding->code;
+    ffp_free(line);
+    return false;
+}
+
 bool ffp_findings_tell(const FfpFindings *findings, const char *place, FfpError *err) {
     const FfpFinding *fault = ffp_findings_fault(findings);
     const bool passed = ffp_findings_pass(findings);
     for (int i = 0; !passed && i < findings->count; i++) log_finding(&findings->items[i]);
     if (!fault) return true;
-    char *line = line_of(fault);
-    ffp_fail(err, FFP_ERROR_FAULT, fault->view ? fault->view : place, "%s", line);
-    ffp_free(line);
-    return false;
+    return fail_with(fault, FFP_ERROR_FAULT, fault->view ? fault->view : place, err);
 }
 
 bool ffp_fail_by(FfpRuleId rule, const FfpFacts *facts, const char *where, FfpError *err) {
     FfpFindings found = {0};
     ffp_found(&found, rule, facts);
-    char *line = line_of(&found.items[0]);
-    ffp_fail(err, FFP_ERROR_FILE, where, "%s", line);
-    ffp_free(line);
+    fail_with(&found.items[0], FFP_ERROR_FILE, where, err);
     ffp_findings_free(&found);
     return false;
 }

@@ -6,6 +6,9 @@
 #include <stdint.h>
 #include "rig/graycode/graycode.h"
 
+#define FFP_GRAY_LIT 0.003    // linear light, that white adds to black where a code can be read
+#define FFP_GRAY_CLIPPED 0.98 // linear: at the camera's limit
+
 enum {
     FFP_GRAY_BITS_MAX = 15,
     FFP_GRAY_WEAK = 15 // of 127: a code's bit is not told from its inverse

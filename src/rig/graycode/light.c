@@ -13,22 +13,20 @@
 
 enum { LEVELS = 1024 };
 
-#define LIGHT_LEAST 0.003 // linear, that white adds to black where a code can be read
-#define LIGHT_SHARE 0.02  // and of what it adds typically
-#define DIM 2.0           // times the least light that is typical where codes can be read
-#define LIT_LEAST 64      // pixels
-#define NOISE_SHARE 0.1   // of the pixels, by which white must be the darker one where noise counts
-#define NOISES 4.0        // deviations of the noise that are light
-#define BRIGHT 0.25       // of the typical light: pixels that checks are made on
-#define CLIPPED 0.98      // linear
-#define OVEREXPOSED 0.5   // under black, typically: nothing can be told
-#define BOTH_LIGHT 0.6    // of white: the darker of a pair where both are light
-#define BOTH_DARK 0.25    // what they add up to where both are dark
-#define ALIKE_SHARE 0.25  // of the pixels: that is not a pair
-#define RIGHT 0.25        // of white: by as much the sum of a pair may be off
-#define PAIR_SHARE 0.8    // of the pixels that must be right where two are each other's inverse
-#define PAIR_LOW 0.7      // what a pattern and its inverse add up to, in white
-#define PAIR_HIGH 1.4     // and against white
+#define LIGHT_SHARE 0.02 // and of what it adds typically
+#define DIM 2.0          // times the least light that is typical where codes can be read
+#define LIT_LEAST 64     // pixels
+#define NOISE_SHARE 0.1  // of the pixels, by which white must be the darker one where noise counts
+#define NOISES 4.0       // deviations of the noise that are light
+#define BRIGHT 0.25      // of the typical light: pixels that checks are made on
+#define OVEREXPOSED 0.5  // under black, typically: nothing can be told
+#define BOTH_LIGHT 0.6   // of white: the darker of a pair where both are light
+#define BOTH_DARK 0.25   // what they add up to where both are dark
+#define ALIKE_SHARE 0.25 // of the pixels: that is not a pair
+#define RIGHT 0.25       // of white: by as much the sum of a pair may be off
+#define PAIR_SHARE 0.8   // of the pixels that must be right where two are each other's inverse
+#define PAIR_LOW 0.7     // what a pattern and its inverse add up to, in white
+#define PAIR_HIGH 1.4    // and against white
 
 void ffp_gray_cache_free(FfpGrayCache *cache) {
     for (int i = 0; i < cache->n; i++) {
@@ -90,13 +88,9 @@ static bool looked_at(const FfpGrayDecoder *d, size_t pixel) {
 }
 
 bool ffp_gray_fail_dark(double black, double added, const char *white, FfpError *err) {
-    if (added < -LIGHT_LEAST)
-        return ffp_fail(err, FFP_ERROR_FILE, white, "white is darker than black: they seem to be swapped");
-    if (black > OVEREXPOSED)
-        return ffp_fail(
-            err, FFP_ERROR_FILE, white,
-            "white is hardly brighter than black, and both are overexposed: shorten the exposure");
-    return ffp_fail(err, FFP_ERROR_FILE, white, "white is hardly brighter than black: nothing is lit");
+    if (added < -FFP_GRAY_LIT) return ffp_fail_by(FFP_RULE_PLAIN_SWAPPED, &(FfpFacts){0}, white, err);
+    return ffp_fail_by(black > OVEREXPOSED ? FFP_RULE_BOTH_CLIPPED : FFP_RULE_NOTHING_LIT, &(FfpFacts){0},
+                       white, err);
 }
 
 static bool tell_dark(const FfpGrayDecoder *d, FfpError *err) {
@@ -116,7 +110,7 @@ static double least_light(const FfpGrayDecoder *d) {
     const double noise =
         (double)n >= NOISE_SHARE * (double)d->pixels ? (double)ffp_median(darker, n) / 0.67 : 0;
     ffp_free(darker);
-    return fmax(LIGHT_LEAST, NOISES * noise);
+    return fmax(FFP_GRAY_LIT, NOISES * noise);
 }
 
 // The light by which pixels are typical, over those that have as much as `least` and are looked at.
@@ -138,7 +132,7 @@ bool ffp_gray_find_light(FfpGrayDecoder *d, FfpError *err) {
     d->checked = ffp_alloc(d->pixels, 1);
     size_t clipped = 0, checked = 0;
     for (size_t i = 0; i < d->pixels; i++) {
-        d->checked[i] = (double)d->light[i] >= CLIPPED;
+        d->checked[i] = (double)d->light[i] >= FFP_GRAY_CLIPPED;
         d->light[i] -= d->black[i];
     }
     double least = least_light(d);
@@ -231,10 +225,9 @@ static bool check_inverse(const FfpGrayDecoder *d, const Pair *pair, FfpError *e
     const double least = ALIKE_SHARE * (double)count, wrong = (double)(light + dark);
     const bool one_way = fmin((double)light, (double)dark) < 0.15 * wrong && (double)right < least;
     return wrong <= least || one_way ||
-           ffp_fail(err, FFP_ERROR_FILE, ffp_gray_photograph(d, pair->axis, pair->bit, 0),
-                    "it and '%.200s' are not each other's inverse: they are not numbered in the order in "
-                    "which they were shown, or something moved",
-                    ffp_basename(ffp_gray_photograph(d, pair->axis, pair->bit, 1)));
+           ffp_fail_by(FFP_RULE_CODES_NO_PAIR,
+                       &(FfpFacts){.a = ffp_basename(ffp_gray_photograph(d, pair->axis, pair->bit, 1))},
+                       ffp_gray_photograph(d, pair->axis, pair->bit, 0), err);
 }
 
 // Where both were exposed as white and black were, a pattern and its inverse add up to white; less and less
@@ -244,12 +237,12 @@ static bool check_exposure(const FfpGrayDecoder *d, const Pair *pair, double *be
     for (int k = 0; k < 2; k++) {
         const double here = middle_sum(d, pair, k);
         if (here > PAIR_HIGH || (here > 0 && here < PAIR_LOW * *before))
-            return ffp_fail(
-                err, FFP_ERROR_FILE, ffp_gray_photograph(d, pair->axis, pair->bit, k),
-                "it and '%.200s' together are %s than black and white (%.2f of them): the exposure changed; "
-                "exposure, aperture, ISO and white balance must stay the same",
-                ffp_basename(ffp_gray_photograph(d, pair->axis, pair->bit, 1 - k)),
-                here > 1 ? "brighter" : "darker", here);
+            return ffp_fail_by(
+                FFP_RULE_CODES_EXPOSURE,
+                &(FfpFacts){.a = ffp_basename(ffp_gray_photograph(d, pair->axis, pair->bit, 1 - k)),
+                            .b = here > 1 ? "brighter" : "darker",
+                            .x = here},
+                ffp_gray_photograph(d, pair->axis, pair->bit, k), err);
         sum = fmax(sum, here);
     }
     if (sum > 0) *before = sum;
@@ -351,19 +344,19 @@ static void try_pair(Search *s, int axis, int bit) {
 // Where an exchange with another photograph (or either of two) mends a broken pair, that is the error.
 static void explain(const FfpGrayDecoder *d, const Pair *broken, FfpError *err) {
     Search s = {.d = d, .broken = broken};
-    char other[280] = "";
+    char swapped[600];
+    int used = 0;
     if (is_late(d, broken, err)) return;
     for (int axis = 0; axis < 2; axis++)
         for (int bit = 0; bit < d->bits[axis]; bit++)
             if (axis != broken->axis || bit != broken->bit) try_pair(&s, axis, bit);
     if (s.count < 1 || s.count > 2) return;
-    if (s.count == 2)
-        snprintf(other, sizeof other, ", or %.120s and %.120s", ffp_basename(s.found[1].first),
-                 ffp_basename(s.found[1].second));
-    ffp_fail(err, FFP_ERROR_FILE, ffp_gray_photograph(d, broken->axis, broken->bit, 0),
-             "it and '%.120s' are not each other's inverse: %.120s and %.120s seem to be swapped%s",
-             ffp_basename(ffp_gray_photograph(d, broken->axis, broken->bit, 1)),
-             ffp_basename(s.found[0].first), ffp_basename(s.found[0].second), other);
+    for (int i = 0; i < s.count; i++)
+        used +=
+            snprintf(swapped + used, sizeof swapped - (size_t)used, "%s%.120s and %.120s",
+                     i > 0 ? ", or " : "", ffp_basename(s.found[i].first), ffp_basename(s.found[i].second));
+    ffp_fail_by(FFP_RULE_CODES_SWAPPED, &(FfpFacts){.a = swapped},
+                ffp_gray_photograph(d, broken->axis, broken->bit, 0), err);
 }
 
 static void take_signal(FfpGrayDecoder *d, const Pair *pair) {

@@ -7,6 +7,7 @@
 #include "core/base/alloc.h"
 #include "core/base/file.h"
 #include "core/patterns/patterns.h"
+#include "rig/findings/tell.h"
 #include "rig/graycode/decoder.h"
 #include "rig/graycode/edges.h"
 
@@ -190,9 +191,8 @@ static double beyond_panel(const Seen *seen, const Swap *swap) {
 
 // --- What is said of it. ---
 
-// Puts the one swap after which everything is in order into words, with these before them; "" where there is
-// none, or several.
-static void explain(const FfpGrayDecoder *d, int axis, const Seen *seen, const char *before, char text[400]) {
+// Puts the one swap after which everything is in order into words; "" where there is none, or several.
+static void explain(const FfpGrayDecoder *d, int axis, const Seen *seen, char text[400]) {
     Swap found = {-1, -1};
     int explanations = 0;
     for (int i = 0; i < seen->bits; i++)
@@ -206,10 +206,9 @@ static void explain(const FfpGrayDecoder *d, int axis, const Seen *seen, const c
     text[0] = 0;
     if (explanations != 1) return;
     const bool inverse = found.first == found.second;
-    snprintf(text, 400, "%s%s%.120s and %.120s seem to be swapped%s", before, inverse ? "" : "the pairs of ",
+    snprintf(text, 400, "%s%.120s and %.120s", inverse ? "" : "the pairs of ",
              ffp_basename(ffp_gray_photograph(d, axis, found.first, 0)),
-             ffp_basename(ffp_gray_photograph(d, axis, found.second, inverse)),
-             inverse ? ", a code and its inverse" : "");
+             ffp_basename(ffp_gray_photograph(d, axis, found.second, inverse)));
 }
 
 static bool tell(const FfpGrayDecoder *d, int axis, const Seen *seen, FfpError *err) {
@@ -219,36 +218,29 @@ static bool tell(const FfpGrayDecoder *d, int axis, const Seen *seen, FfpError *
     const double beyond = beyond_panel(seen, &none);
     // Where the sides are exchanged, the rows' coarsest code comes earlier or later than it should.
     const int apart = d->bits[axis] - d->bits[1 - axis], rows_from = axis == 0 ? d->bits[1] : apart;
+    const int at = broader >= 0               ? broader
+                   : jumping < 0              ? 0
+                   : jumping + 1 < seen->bits ? jumping + 1
+                                              : jumping;
+    const char *where = ffp_gray_photograph(d, axis, at, 0);
+    if (broader < 0 && jumping < 0 && !(beyond > BEYOND)) return true;
     if (broader > 0 && apart > 0 && broader == rows_from)
-        return ffp_fail(err, FFP_ERROR_FILE, ffp_gray_photograph(d, axis, broader, 0),
-                        "the rows' codes begin here: the panel's width and height, %d x %d, are exchanged",
-                        d->from->width, d->from->height);
-    if (broader >= 0) {
-        explain(d, axis, seen, ": ", swap);
-        return ffp_fail(err, FFP_ERROR_FILE, ffp_gray_photograph(d, axis, broader, 0),
-                        "its stripes are wider than those of '%.200s', which comes before it%s",
-                        ffp_basename(ffp_gray_photograph(d, axis, broader - 1, 0)),
-                        swap[0] ? swap : ": codes must be ordered coarsest first, columns before rows");
-    }
-    if (jumping >= 0) {
-        const int after = jumping + 1 < seen->bits ? jumping + 1 : jumping;
-        explain(d, axis, seen, "", swap);
-        return ffp_fail(err, FFP_ERROR_FILE, ffp_gray_photograph(d, axis, after, 0),
-                        "the codes jump at its neighbour's edges: %s",
-                        swap[0] ? swap
-                                : "it and its inverse are swapped, or the photographs are in another "
-                                  "order");
-    }
-    if (beyond > BEYOND) {
-        explain(d, axis, seen, ", or ", swap);
-        return ffp_fail(
-            err, FFP_ERROR_FILE, ffp_gray_photograph(d, axis, 0, 0),
-            "according to it and the codes after it, %.0f %% of the pixels see %s beyond the panel's %d: the "
-            "panel has another size%s",
-            100 * beyond, axis ? "rows" : "columns", seen->size,
-            swap[0] ? swap : ", or the photographs are in another order (columns come before rows)");
-    }
-    return true;
+        return ffp_fail_by(FFP_RULE_PANEL_SIDES, &(FfpFacts){.x = d->from->width, .y = d->from->height},
+                           where, err);
+    explain(d, axis, seen, swap);
+    if (broader < 0 && jumping < 0)
+        return ffp_fail_by(FFP_RULE_PANEL_SIZE,
+                           &(FfpFacts){.figure = beyond,
+                                       .limit = BEYOND,
+                                       .a = axis ? "rows" : "columns",
+                                       .b = swap[0] ? swap : "columns and rows",
+                                       .x = seen->size},
+                           where, err);
+    return ffp_fail_by(swap[0] ? FFP_RULE_CODES_SWAPPED : FFP_RULE_CODES_ORDER,
+                       &(FfpFacts){.a = swap,
+                                   .b = broader >= 0 ? "its stripes are wider than those before it"
+                                                     : "numbers jump at its neighbour's edges"},
+                       where, err);
 }
 
 bool ffp_gray_check_order(const FfpGrayDecoder *d, int axis, FfpError *err) {

@@ -1,14 +1,13 @@
 // Which photographs are black and white.
 #include <math.h>
+#include <stdio.h>
 #include "core/base/alloc.h"
 #include "core/base/file.h"
 #include "rig/findings/tell.h"
 #include "rig/graycode/decoder.h"
 
-#define LIT 0.003    // linear: what the brighter of two adds, where the projector's light falls
 #define NOISE 0.1    // of the brighter one: a smaller difference is noise
 #define OUTSIDE 0.05 // linear: a code is nowhere darker than black, or brighter than white, by as much
-#define CLIPPED 0.98 // linear
 #define BRIGHTER 0.9 // share of the light in pixels of which white must be the brighter
 
 // Two photographs one after the other, as light.
@@ -30,7 +29,7 @@ static void compare(Plain *p) {
     for (size_t i = 0; i < pixels; i++) {
         const double a = (double)p->grey[0][i], b = (double)p->grey[1][i];
         p->added += b - a;
-        if (fabs(b - a) < fmax(LIT, NOISE * fmax(a, b))) continue;
+        if (fabs(b - a) < fmax(FFP_GRAY_LIT, NOISE * fmax(a, b))) continue;
         lit++, light += fabs(b - a), more += fmax(b - a, 0);
     }
     p->lit = lit > pixels / 1000;
@@ -66,7 +65,7 @@ static bool lies_between(const Plain *p, const Plain *other, int k) {
     for (size_t i = 0; i < pixels; i++) {
         const double black = (double)p->grey[0][i], white = (double)p->grey[1][i],
                      here = (double)other->grey[k][i];
-        lit += white - black > LIT, outside += here < black - OUTSIDE || here > white + OUTSIDE;
+        lit += white - black > FFP_GRAY_LIT, outside += here < black - OUTSIDE || here > white + OUTSIDE;
     }
     return (double)outside < (1 - BRIGHTER) * (double)lit;
 }
@@ -104,7 +103,7 @@ static void free_plain(Plain *p) {
 static double clipped_share(const Plain *p) {
     const size_t pixels = (size_t)p->width * (size_t)p->height;
     size_t clipped = 0;
-    for (size_t i = 0; i < pixels; i++) clipped += (double)p->grey[1][i] >= CLIPPED;
+    for (size_t i = 0; i < pixels; i++) clipped += (double)p->grey[1][i] >= FFP_GRAY_CLIPPED;
     return (double)clipped / (double)pixels;
 }
 
@@ -121,20 +120,14 @@ static bool fail_plain(const Plain *front, const Plain *back, const FfpGrayPhoto
     if (!read) return false;
     const char *lighter = files[front->turned ? 0 : 1];
     const double clipped = clipped_share(front);
-    const FfpFacts facts = {.a = ffp_basename(files[late]), .b = ffp_basename(files[1 + late])};
+    const FfpFacts facts = {.a = ffp_basename(files[0]), .b = ffp_basename(files[1])};
     if (late) return ffp_fail_by(FFP_RULE_ONE_LATE, &facts, files[0], err);
     if (clipped > ffp_rule(FFP_RULE_PLAIN_CLIPPED)->limit)
         return ffp_fail_by(FFP_RULE_PLAIN_CLIPPED, &(FfpFacts){.a = ffp_basename(lighter), .figure = clipped},
                            lighter, err);
-    if (!(front->lit || back->lit))
-        return ffp_fail(err, FFP_ERROR_FILE, files[0],
-                        "black and white cannot be told apart in the first two photographs or in the last "
-                        "two: nothing is lit, or everything is overexposed");
+    if (!(front->lit || back->lit)) return ffp_fail_by(FFP_RULE_NO_PLAIN_LIT, &facts, files[0], err);
     if (!front->lit) return ffp_fail_by(FFP_RULE_WHITE_IS_BLACK, &facts, files[0], err);
-    return ffp_fail(
-        err, FFP_ERROR_FILE, files[0],
-        "neither the first two photographs nor the last two are the projector black and white: they are not "
-        "numbered in the order in which they were shown, or the exposure changed between them");
+    return ffp_fail_by(FFP_RULE_NO_PLAIN, &facts, files[0], err);
 }
 
 // Checks that the lighter of two uses the file's range.
@@ -150,11 +143,10 @@ static bool check_range(const Plain *p, const FfpGrayPhotographs *from, FfpError
 
 bool ffp_gray_find_plain(FfpGrayPhotographs *photographs, const char *const *files, int n, FfpError *err) {
     const int count = 2 + ffp_gray_photographs(photographs->width, photographs->height);
+    char panel[32];
+    snprintf(panel, sizeof panel, "%d x %d", photographs->width, photographs->height);
     if (n != count)
-        return ffp_fail(err, FFP_ERROR_FILE, NULL,
-                        "%d photographs, but a projector of %d x %d pixels requires %d: black, white and %d "
-                        "pairs of Gray codes",
-                        n, photographs->width, photographs->height, count, count / 2 - 1);
+        return ffp_fail_by(FFP_RULE_COUNT, &(FfpFacts){.x = n, .y = count, .a = panel}, NULL, err);
     Plain front = {.files = files}, back = {.files = files + count - 2};
     const Plain *chosen = NULL;
     const bool ok = read_plain(&front, photographs, err) && read_plain(&back, photographs, err);

@@ -53,11 +53,10 @@ static bool place_codes(FfpImporting *import, int stop, const FfpOptics *camera,
     import->code_step = fmax(import->code_step, report->step * camera->fx / (double)view->camera.fx);
     note_report(import, view, report, &fit);
     return (fit.known > 0 && fit.off <= CODES_OFF_MAX) ||
-           ffp_fail(err, FFP_ERROR_FILE, "gray_codes",
-                    "view '%s': half of %d decoded positions are %.1f or more projector pixels away from "
-                    "where the calibration puts them: check the order of the photographs (coarsest first, "
-                    "columns before rows, each followed by its inverse), the projector's size and the poses",
-                    view->id, fit.known, fit.off);
+           ffp_fail_by(
+               FFP_RULE_CODES_ELSEWHERE,
+               &(FfpFacts){.view = view->id, .x = fit.known, .figure = fit.off, .limit = CODES_OFF_MAX},
+               "gray_codes", err);
 }
 
 // By what the photographs are reduced before: down to two pixels a side for one of the capture or the panel.
@@ -99,10 +98,8 @@ static bool decode_view(FfpImporting *import, int stop, FfpError *err) {
     if (decode(import, stop, import->settings->linear_images, &error)) return true;
     const int missing = count_missing(import, stop), n = import->shots.n_codes;
     if (missing > 0)
-        ffp_fail(err, error.code, NULL,
-                 "%s. %d of %d photographs of Gray codes were found: is the projector's "
-                 "size right?",
-                 error.text, n - missing, n);
+        ffp_fail_by(FFP_RULE_CODES_MISSING, &(FfpFacts){.x = n - missing, .y = n, .a = error.text}, NULL,
+                    err);
     else if (err)
         *err = error;
     if (import->settings->linear_images || error.code != FFP_ERROR_FILE || stop > 0) return false;

@@ -50,9 +50,8 @@ static bool tell_late(const FfpImporting *import, int stop, FfpError *err) {
     const char *white = files[shots->white];
     const bool late = shown >= 4;
     return ffp_fail_by(late ? FFP_RULE_ONE_LATE : FFP_RULE_WHITE_IS_BLACK,
-                       &(FfpFacts){.a = ffp_basename(late ? white : files[shots->black]),
-                                   .b = ffp_basename(late ? files[lightest] : white)},
-                       white, err);
+                       &(FfpFacts){.a = ffp_basename(files[shots->black]), .b = ffp_basename(white)}, white,
+                       err);
 }
 
 // The mask as it was asked for: later, from the empty stage; a file; otherwise the white picture's alpha

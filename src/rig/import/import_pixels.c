@@ -97,8 +97,7 @@ static bool check_masks(const FfpImporting *import, FfpError *err) {
         for (ptrdiff_t i = 0; i < pixels; i++)
             if (mask->data[i] > 0) return true;
     }
-    return ffp_fail(err, FFP_ERROR_FILE, import->shots.masks[0],
-                    "the masks of all views are black: they must be white on the object");
+    return ffp_fail_by(FFP_RULE_MASKS_EMPTY, &(FfpFacts){0}, import->shots.masks[0], err);
 }
 
 bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err) {

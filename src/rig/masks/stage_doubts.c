@@ -65,10 +65,8 @@ static bool check_order(const FfpMasking *masking, FfpError *err) {
         const FfpImage *black = &masking->stages[v].images[masking->capture->black],
                        *white = &masking->stages[v].images[masking->capture->white];
         if (!black->data || !white->data || mean_of(black) <= mean_of(white) + ROOM_LIGHT_LEAST) continue;
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "empty",
-                        "the stage is brighter under black (%.4f of full scale) than under white (%.4f): the "
-                        "two pictures are exchanged",
-                        mean_of(black), mean_of(white));
+        return ffp_fail_by(FFP_RULE_STAGE_EXCHANGED, &(FfpFacts){.x = mean_of(black), .y = mean_of(white)},
+                           "empty", err);
     }
     return true;
 }

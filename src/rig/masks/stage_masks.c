@@ -2,6 +2,7 @@
 #include "core/base/arena.h"
 #include "core/base/call.h"
 #include "rig/checks/chord.h"
+#include "rig/findings/tell.h"
 #include "rig/masks/carve.h"
 #include "rig/masks/limits.h"
 #include "rig/masks/shade.h"
@@ -127,9 +128,7 @@ static bool run(Work *w, bool posed, const char *const *paths, FfpError *err) {
     FfpCapture *capture = w->capture;
     if (!compare_all(w, paths, err)) return false;
     take_object(w);
-    if (!shows_object(w))
-        return ffp_fail(err, FFP_ERROR_FILE, paths[0],
-                        "no view shows anything that the empty stage does not: is the object missing?");
+    if (!shows_object(w)) return ffp_fail_by(FFP_RULE_NO_OBJECT, &(FfpFacts){0}, paths[0], err);
     const bool hull = posed && capture->n_views >= HULL_VIEWS_LEAST && ffp_hull_bounds(capture, w->compared);
     if (hull) complete(w);
     for (int v = 0; v < capture->n_views; v++)

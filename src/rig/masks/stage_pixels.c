@@ -1,6 +1,7 @@
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "core/numerics/rank.h"
+#include "rig/findings/tell.h"
 #include "rig/masks/layers.h"
 #include "rig/masks/limits.h"
 #include "rig/masks/steps.h"
@@ -168,15 +169,11 @@ bool ffp_stage_compare(FfpCompared *compared, const FfpCapture *capture, int vie
     if (c.noise <= STAGE_NOISE_MOST) compare_pixels(compared, &c, of);
     ffp_layers_free(mine), ffp_layers_free(theirs);
     if (c.noise > STAGE_NOISE_MOST)
-        return ffp_fail(err, FFP_ERROR_FILE, where,
-                        "under black this view differs from the empty stage by %.2f of full scale: was the "
-                        "room's light or the exposure changed?",
-                        c.noise);
+        return ffp_fail_by(FFP_RULE_STAGE_DIFFERS, &(FfpFacts){.figure = c.noise, .limit = STAGE_NOISE_MOST},
+                           where, err);
     if (compared->stage >= STAGE_SEEN_LEAST) return true;
     ffp_free(compared->kinds);
     compared->kinds = NULL;
-    return ffp_fail(err, FFP_ERROR_FILE, where,
-                    "only %.0f %% of this view looks like the empty stage: was the camera moved, or another "
-                    "exposure or other light used?",
-                    100 * compared->stage);
+    return ffp_fail_by(FFP_RULE_STAGE_UNLIKE,
+                       &(FfpFacts){.figure = compared->stage, .limit = STAGE_SEEN_LEAST}, where, err);
 }

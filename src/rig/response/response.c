@@ -3,6 +3,7 @@
 #include "core/base/arena.h"
 #include "core/base/real.h"
 #include "core/base/vec.h"
+#include "core/capture/pixel.h"
 #include "core/capture/reduce.h"
 #include "core/capture/small.h"
 #include "core/image/lookup.h"
@@ -14,7 +15,6 @@
 #define SAMPLES_MAX 20000
 #define SAMPLES_LEAST 500
 #define TRUSTED 0.3F  // confidence of a matched depth
-#define LIT 0.04F     // linear radiance that white must add in every channel
 #define GAMMA_LOW 0.4 // searched
 #define GAMMA_HIGH 5.0
 #define GAMMA_STEPS 18    // of the golden section
@@ -58,14 +58,14 @@ static bool make_sample(const FfpCapture *capture, const FfpInitialisation *star
     const FfpView *view = &capture->views[v];
     const size_t k = (size_t)v * (size_t)start->width * (size_t)start->height + i;
     const real *black = view->images[capture->black].data + 3 * i,
-               *white = view->images[capture->white].data + 3 * i, *seen = view->images[active].data + 3 * i;
-    if (view->coverage.data[i] < 0.99F || start->confidence[k] < TRUSTED) return false;
+               *white = view->images[capture->white].data + 3 * i;
+    if (view->coverage.data[i] < 0.99F || start->confidence[k] < TRUSTED ||
+        !ffp_lit_ratio(capture, view, &view->images[active], i, out->ratio))
+        return false;
     real strongest = 0;
     for (int c = 0; c < 3; c++) {
-        const real light = white[c] - black[c];
-        if (!(light > LIT) || white[c] > 0.98F) return false;
-        out->ratio[c] = (seen[c] - black[c]) / light, out->share[c] = black[c] / white[c];
-        strongest = fmax(strongest, light);
+        out->share[c] = black[c] / white[c];
+        strongest = fmax(strongest, white[c] - black[c]);
     }
     real ray[3], point[3], to[3];
     ffp_pixel_ray(&view->camera, (real)(i % (size_t)start->width) + 0.5F,

@@ -3,12 +3,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include "core/base/arena.h"
+#include "core/capture/pixel.h"
 #include "engine/match/match.h"
 #include "rig/optics/matrix.h"
 
 #define POINTS_A_PAIR 600
 #define APART 0.14     // radians
-#define LIT 0.04F      // linear radiance that white must add in every channel
 #define REACH 2        // pixels to either side that a plane is fitted to
 #define PLANE_LEAST 14 // of them that must belong to one surface
 #define JUMP 0.03      // of the inverse depth, to a neighbour of the same surface
@@ -56,10 +56,7 @@ void ffp_placed_free(FfpCapture *placed) {
 // --- Planes. ---
 
 static bool is_lit(const FfpCapture *capture, const FfpView *view, size_t i) {
-    const real *black = view->images[capture->black].data + 3 * i,
-               *white = view->images[capture->white].data + 3 * i;
-    return view->coverage.data[i] >= 0.99F && white[0] - black[0] > LIT && white[1] - black[1] > LIT &&
-           white[2] - black[2] > LIT;
+    return view->coverage.data[i] >= 0.99F && ffp_is_lit(capture, view, i);
 }
 
 // Sums for a plane of inverse depth q = a + b x + c y.

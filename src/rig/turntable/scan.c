@@ -3,6 +3,7 @@
 #include <string.h>
 #include "core/base/arena.h"
 #include "core/base/call.h"
+#include "core/capture/pixel.h"
 #include "core/image/lookup.h"
 #include "core/numerics/rank.h"
 #include "rig/optics/matrix.h"
@@ -13,14 +14,13 @@
 #define NEIGHBOURS 2    // further stops that must agree, one to either side
 #define APART 0.14      // radians between neighbours, at least: from one place the same is seen
 #define STEP 0.006      // of the distance's logarithm
-#define LIT 0.04F       // linear radiance that white must add in every channel
 #define ERROR_MAX 0.05  // of a pixel's mean square, beyond which a colour is simply wrong
 #define UNSEEN 0.5      // of that, for a neighbour that does not see the point lit
 #define REACH_LEAST 0.3 // share of points in the projector's frame
 
 typedef struct PointView { // of a point at one stop
     float at[3];           // camera coordinates, axis' unit
-    float colour[3];       // of the pattern, as the pixel there shows it; NAN: not seen lit
+    real colour[3];        // of the pattern, as the pixel there shows it; NAN: not seen lit
 } PointView;
 
 typedef struct Point {
@@ -41,17 +41,10 @@ typedef struct Scanner {
     double centre[3], radius; // of the object at angle 0
 } Scanner;
 
-// (active - black) / (white - black); false where white adds too little or a channel is at its limit.
-static bool observe(const Scanner *s, int view, size_t i, float colour[3]) {
+// False where the pixel shows the object in part, or tells no colour.
+static bool observe(const Scanner *s, int view, size_t i, real colour[3]) {
     const FfpView *v = &s->capture->views[view];
-    const real *black = v->images[s->capture->black].data + 3 * i,
-               *white = v->images[s->capture->white].data + 3 * i, *seen = v->images[s->active].data + 3 * i;
-    if (v->coverage.data[i] < 0.99F) return false;
-    for (int c = 0; c < 3; c++) {
-        if (!(white[c] - black[c] > LIT) || white[c] > 0.98F) return false;
-        colour[c] = (float)((seen[c] - black[c]) / (white[c] - black[c]));
-    }
-    return true;
+    return v->coverage.data[i] >= 0.99F && ffp_lit_ratio(s->capture, v, &v->images[s->active], i, colour);
 }
 
 // The pixel that shows a point; false when the picture does not.
@@ -64,24 +57,15 @@ static bool find_pixel(const FfpCamera *camera, const double point[3], size_t *i
     return true;
 }
 
-static bool is_background(const FfpImage *coverage, size_t index) {
-    const int x = (int)(index % (size_t)coverage->width), y = (int)(index / (size_t)coverage->width);
-    for (int k = 0; k < 9; k++) {
-        const int px = x + k % 3 - 1, py = y + k / 3 - 1;
-        if (px < 0 || py < 0 || px >= coverage->width || py >= coverage->height) return false;
-        if (coverage->data[(ptrdiff_t)py * coverage->width + px] > 0) return false;
-    }
-    return true;
-}
-
 // True if no silhouette speaks against a point of stop `view`.
 static bool is_possible(const Scanner *s, int view, const double point[3]) {
     for (int other = 0; other < s->capture->n_views; other++) {
+        const size_t width = (size_t)s->capture->views[other].camera.width;
         double there[3];
         size_t index = 0;
         ffp_axis_rotate(s->axis, s->outlines->angles[other] - s->outlines->angles[view], point, there);
         if (find_pixel(&s->capture->views[other].camera, there, &index) &&
-            is_background(&s->capture->views[other].coverage, index))
+            ffp_is_background(&s->capture->views[other].coverage, (int)(index % width), (int)(index / width)))
             return false;
     }
     return true;
@@ -129,7 +113,7 @@ static void fill_view(const Scanner *s, int view, Points *points) {
     const size_t pixels = (size_t)camera->width * (size_t)camera->height;
     const int stops[1 + NEIGHBOURS] = {view, ffp_next_stop(s->outlines, view, 1, APART),
                                        ffp_next_stop(s->outlines, view, -1, APART)};
-    float colour[3];
+    real colour[3];
     size_t lit = 0, seen = 0;
     for (size_t i = 0; i < pixels; i++) lit += observe(s, view, i, colour);
     const size_t step = lit / PIXELS_A_VIEW + 1;

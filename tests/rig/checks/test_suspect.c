@@ -2,7 +2,9 @@
 #include <math.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
+#include "core/image/srgb_formula.h"
 #include "rig/checks/found.h"
+#include "rig/checks/hypotheses.h"
 
 enum { VIEW = 3, OTHER = 5 };
 
@@ -237,6 +239,68 @@ static void something_in_front_of_one_view(void **state) {
     must_name(FFP_RULE_PATTERN_NOT_THERE, view->id);
 }
 
+// --- Values, light and units. ---
+
+static FfpImage *shown(FfpView *view, int k) {
+    const int patterns[3] = {capture.black, capture.white, ffp_capture_active_pattern(&capture, NULL, NULL)};
+    return &view->images[patterns[k]];
+}
+
+// Photographs in linear light that were read as sRGB.
+static void values_taken_for_others(void **state) {
+    (void)state;
+    for (int i = 0; i < 3 * 8; i++) {
+        FfpImage *image = shown(&capture.views[i / 3], i % 3);
+        for (int k = 0; k < 3 * image->width * image->height; k++)
+            image->data[k] = ffp_srgb_decode(image->data[k]);
+    }
+    assert_non_null(strstr(must_name(FFP_RULE_ENCODING, NULL)->text, "linear light"));
+}
+
+static void a_camera_without_colour(void **state) {
+    (void)state;
+    for (int i = 0; i < 3 * 8; i++) {
+        FfpImage *image = shown(&capture.views[i / 3], i % 3);
+        for (real *p = image->data; p < image->data + 3 * image->width * image->height; p += 3)
+            p[0] = p[2] = p[1];
+    }
+    must_name(FFP_RULE_GREY, NULL);
+}
+
+// White, photographed again with its own noise in place of the pattern; and the room's light on under black.
+static void one_photograph_in_another_light(void **state) {
+    (void)state;
+    FfpView *view = &capture.views[VIEW];
+    FfpImage *black = shown(view, 0), *white = shown(view, 1), *active = shown(view, 2);
+    const int n = 3 * white->width * white->height;
+    for (int i = 0; i < n; i++) black->data[i] += 0.2F * view->coverage.data[i / 3];
+    must_name(FFP_RULE_BLACK_LIT, view->id);
+    for (int i = 0; i < n; i++) black->data[i] -= 0.2F * view->coverage.data[i / 3];
+    for (int i = 0; i < n; i++) active->data[i] = white->data[i] + (i % 2 ? 0.002F : -0.002F);
+    must_name(FFP_RULE_SAME_PHOTOGRAPH, view->id);
+}
+
+static void a_baseline_in_another_unit(void **state) {
+    (void)state;
+    for (int v = 0; v < 8; v++) {
+        real *camera = capture.views[v].camera.pose, *projector = capture.views[v].projector.pose;
+        for (int i = 3; i < 12; i += 4) projector[i] = camera[i] + 0.001F * (projector[i] - camera[i]);
+    }
+    must_name(FFP_RULE_TOGETHER, NULL);
+}
+
+// Of an object that looks alike from both sides, surfaces tell what silhouettes and the pattern do not.
+static void two_views_exchanged_by_their_surfaces(void **state) {
+    (void)state;
+    FfpCase c = {.capture = &capture, .view = VIEW, .other = OTHER, .enough = 1};
+    c.active = ffp_capture_active_pattern(&capture, NULL, NULL);
+    ffp_findings_free(&found);
+    assert_true(ffp_hypotheses_try(&found, FFP_VIEWS_BY_DEPTH, &c));
+    exchange_photographs(&capture.views[VIEW], &capture.views[OTHER]);
+    assert_false(ffp_hypotheses_try(&found, FFP_VIEWS_BY_DEPTH, &c));
+    must_find(FFP_RULE_VIEWS_EXCHANGED, capture.views[VIEW].id);
+}
+
 static void calibrations_of_another_size(void **state) {
     (void)state;
     for (int v = 0; v < capture.n_views; v++) {
@@ -332,6 +396,11 @@ int main(void) {
         cmocka_unit_test_setup_teardown(black_and_white_exchanged, setup, teardown),
         cmocka_unit_test_setup_teardown(photographs_of_something_else, setup, teardown),
         cmocka_unit_test_setup_teardown(something_in_front_of_one_view, setup, teardown),
+        cmocka_unit_test_setup_teardown(values_taken_for_others, setup, teardown),
+        cmocka_unit_test_setup_teardown(a_camera_without_colour, setup, teardown),
+        cmocka_unit_test_setup_teardown(one_photograph_in_another_light, setup, teardown),
+        cmocka_unit_test_setup_teardown(a_baseline_in_another_unit, setup, teardown),
+        cmocka_unit_test_setup_teardown(two_views_exchanged_by_their_surfaces, setup, teardown),
         cmocka_unit_test_setup_teardown(calibrations_of_another_size, setup, teardown),
         cmocka_unit_test_setup_teardown(masks_that_are_none, setup, teardown),
         cmocka_unit_test_setup_teardown(devices_where_they_cannot_be, setup, teardown),

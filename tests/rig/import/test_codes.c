@@ -11,6 +11,7 @@
 #include "engine/match/coded.h"
 #include "engine/match/line.h"
 #include "engine/match/match.h"
+#include "named.h"
 #include "rig/graycode/graycode.h"
 #include "rig/import/import.h"
 #include "rig/optics/lens.h"
@@ -791,12 +792,13 @@ static void test_real_board(void **state) {
 
 // --- Faults. ---
 
-// A change to a copy of the photographs, or to the call, and what the error must say, including the file or
-// field.
+// A change to a copy of the photographs, or to the call; the finding that the error must be, and words that
+// it must contain, the file or field among them.
 typedef struct Fault {
     const char *command; // of the shell, in the copy's folder
     void (*change)(Call *call);
-    const char *words[3];
+    FfpRuleId rule; // 0: the words alone tell
+    const char *words[2];
 } Fault;
 
 #define SWAP(a, b) "mv " a " x && mv " b " " a " && mv x " b
@@ -837,83 +839,61 @@ static void two_stops_named(Call *call) {
 #define STOPS "mkdir 000 && cp photos/*.png black.png white.png 000/ && cp -r 000 030"
 
 static const Fault faults[] = {
-    {"rm photos/0[01]?.png", NULL, {"8 files match, but a view has 28 photographs", "photos/*.png"}},
-    {"cp photos/005.png photos/005b.png", NULL, {"29 files match, but a view has 28 photographs"}},
-    {"rm -r photos",
-     NULL,
-     {"no file matches (.JPG is not .jpg), or the folder cannot be read", "photos/*.png"}},
-    {"true", nowhere, {"no file matches (.JPG is not .jpg), or the folder cannot be read", "nowhere/*.png"}},
-    {"true", no_file, {"no file given", "(gray_codes)"}},
-    {"true", one_file, {"names one file for 28 Gray codes: use {pattern} or *", "005.png"}},
-    {"mkdir named", by_name, {"view '000' under Gray code 'gray_x_00'", "named/gray_x_00.png"}},
-    {STOPS, two_stops_alike, {"names one file for 2 views: use {view}", "{pattern}.png"}},
-    {STOPS " && rm 030/0[01]?.png", two_stops_named, {"8 files match", "030/[0-9]*.png"}},
-    {STOPS " && rm -r 030", two_stops_named, {"no such file", "030/black.png"}},
+    {"rm photos/0[01]?.png", NULL, 0, {"8 files match, but a view has 28 photographs", "photos/*.png"}},
+    {"cp photos/005.png photos/005b.png", NULL, 0, {"29 files match, but a view has 28 photographs"}},
+    {"rm -r photos", NULL, 0, {"no file matches", "photos/*.png"}},
+    {"true", nowhere, 0, {"no file matches", "nowhere/*.png"}},
+    {"true", no_file, 0, {"no file given", "(gray_codes)"}},
+    {"true", one_file, 0, {"names one file for 28 Gray codes", "005.png"}},
+    {"mkdir named", by_name, 0, {"view '000' under Gray code 'gray_x_00'", "named/gray_x_00.png"}},
+    {STOPS, two_stops_alike, 0, {"names one file for 2 views", "{pattern}.png"}},
+    {STOPS " && rm 030/0[01]?.png", two_stops_named, 0, {"8 files match", "030/[0-9]*.png"}},
+    {STOPS " && rm -r 030", two_stops_named, 0, {"no such file", "030/black.png"}},
     // Numbers.
     {SWAP("photos/004.png", "photos/010.png") " && " SWAP("photos/005.png", "photos/011.png"),
      NULL,
-     {"its stripes are wider than those of", "the pairs of 004.png and 010.png seem to be swapped"}},
-    {SWAP("photos/006.png", "photos/007.png"),
-     NULL,
-     {"006.png and 007.png seem to be swapped, a code and its inverse", "photos/006.png"}},
-    {SWAP("photos/022.png", "photos/023.png"),
-     NULL,
-     {"022.png and 023.png seem to be swapped, a code and its inverse", "photos/022.png"}},
-    {SWAP("photos/008.png", "photos/020.png"),
-     NULL,
-     {"are not each other's inverse", "'009.png'", "photos/008.png"}},
+     FFP_RULE_CODES_SWAPPED,
+     {"the pairs of 004.png and 010.png"}},
+    {SWAP("photos/006.png", "photos/007.png"), NULL, FFP_RULE_CODES_SWAPPED, {"006.png and 007.png"}},
+    {SWAP("photos/022.png", "photos/023.png"), NULL, FFP_RULE_CODES_SWAPPED, {"022.png and 023.png"}},
+    {SWAP("photos/008.png", "photos/020.png"), NULL, FFP_RULE_CODES_SWAPPED, {"008.png and 020.png"}},
     // Two apart: a code and the next finer one, whose inverses stay.
-    {SWAP("photos/002.png", "photos/004.png"),
-     NULL,
-     {"002.png and 004.png seem to be swapped", "photos/002.png"}},
-    {SWAP("photos/004.png", "photos/006.png"),
-     NULL,
-     {"004.png and 006.png seem to be swapped", "photos/004.png"}},
-    {SWAP("photos/007.png", "photos/009.png"),
-     NULL,
-     {"007.png and 009.png seem to be swapped", "photos/006.png"}},
-    {SWAP("photos/000.png", "photos/002.png"),
-     NULL,
-     {"000.png and 002.png seem to be swapped", "photos/000.png"}},
-    {SWAP("photos/005.png", "photos/006.png"),
-     NULL,
-     {"005.png and 006.png seem to be swapped", "photos/004.png"}},
-    {"cp photos/009.png photos/008.png", NULL, {"are not each other's inverse", "photos/008.png"}},
+    {SWAP("photos/002.png", "photos/004.png"), NULL, FFP_RULE_CODES_SWAPPED, {"002.png and 004.png"}},
+    {SWAP("photos/004.png", "photos/006.png"), NULL, FFP_RULE_CODES_SWAPPED, {"004.png and 006.png"}},
+    {SWAP("photos/007.png", "photos/009.png"), NULL, FFP_RULE_CODES_SWAPPED, {"007.png and 009.png"}},
+    {SWAP("photos/000.png", "photos/002.png"), NULL, FFP_RULE_CODES_SWAPPED, {"000.png and 002.png"}},
+    {SWAP("photos/005.png", "photos/006.png"), NULL, FFP_RULE_CODES_SWAPPED, {"005.png and 006.png"}},
+    {"cp photos/009.png photos/008.png", NULL, FFP_RULE_CODES_NO_PAIR, {"photos/008.png"}},
     {"rm photos/000.png && cp photos/027.png photos/028.png",
      NULL,
-     {"are not each other's inverse", "photos/001.png"}},
+     FFP_RULE_CODES_NO_PAIR,
+     {"photos/001.png"}},
     // These mirror or turn everything: the calibration tells, or the panel where it ends early.
-    {SWAP("photos/000.png", "photos/001.png"), NULL, {"away from where the calibration puts them"}},
+    {SWAP("photos/000.png", "photos/001.png"), NULL, FFP_RULE_CODES_ELSEWHERE, {"000"}},
     {"mkdir x && mv photos/00* photos/010.png photos/011.png photos/012.png photos/013.png x/ && i=0 && for "
      "f "
      "in photos/*.png x/*.png; do mv $f $(printf y%03d.png $i); i=$((i+1)); done && mv y*.png photos/",
      NULL,
-     {"rows beyond the panel's 90", "columns come before rows"}},
-    {"sed 's/prjW: 120/prjW: 80/' ../rig.yml > other.yml",
-     other_rig,
-     {"columns beyond the panel's 80", "has another size"}},
-    {"sed 's/prjW: 120/prjW: 260/' ../rig.yml > other.yml",
-     other_rig,
-     {"28 of 32 photographs of Gray codes were found: is the projector's size right?"}},
+     FFP_RULE_PANEL_SIZE,
+     {"rows", "90"}},
+    {"sed 's/prjW: 120/prjW: 80/' ../rig.yml > other.yml", other_rig, FFP_RULE_PANEL_SIZE, {"columns", "80"}},
+    {"sed 's/prjW: 120/prjW: 260/' ../rig.yml > other.yml", other_rig, FFP_RULE_CODES_MISSING, {"28 of 32"}},
     // Light.
-    {"cp ../spare/dim.png photos/008.png", NULL, {"darker than black and white", "photos/008.png"}},
-    {"cp ../spare/bright.png photos/009.png", NULL, {"brighter than black and white", "photos/009.png"}},
-    {SWAP("black.png", "white.png"),
-     NULL,
-     {"white is darker than black: they seem to be swapped", "white.png"}},
-    {"cp black.png white.png", NULL, {"'black.png' and 'white.png' show the same", "white.png"}},
-    {"true", same_plain, {"is named twice: view '000' under 'black' and under 'white'", "white.png"}},
+    {"cp ../spare/dim.png photos/008.png", NULL, FFP_RULE_CODES_EXPOSURE, {"darker", "photos/008.png"}},
+    {"cp ../spare/bright.png photos/009.png", NULL, FFP_RULE_CODES_EXPOSURE, {"brighter", "photos/009.png"}},
+    {SWAP("black.png", "white.png"), NULL, FFP_RULE_PLAIN_SWAPPED, {"white.png"}},
+    {"cp black.png white.png", NULL, FFP_RULE_WHITE_IS_BLACK, {"'black.png' and 'white.png'"}},
+    {"true", same_plain, 0, {"is named twice: view '000' under 'black' and under 'white'", "white.png"}},
     {"cp ../spare/full.png white.png && cp ../spare/full.png black.png",
      NULL,
-     {"both are overexposed: shorten the exposure", "white.png"}},
-    {"rm black.png", NULL, {"no such file", "black.png"}},
+     FFP_RULE_BOTH_CLIPPED,
+     {"white.png"}},
+    {"rm black.png", NULL, 0, {"no such file", "black.png"}},
     // Files.
-    {"cp ../spare/small.png photos/013.png",
-     NULL,
-     {"image is 80 x 120, but the others are 160 x 120", "013.png"}},
-    {"printf GIF89a > photos/020.png", NULL, {"photos/020.png"}},
-    {"head -c 500 photos/020.png > x && mv x photos/020.png", NULL, {"photos/020.png"}},
-    {": > photos/021.png", NULL, {"file is empty", "photos/021.png"}},
+    {"cp ../spare/small.png photos/013.png", NULL, 0, {"80 x 120, but the others are 160 x 120", "013.png"}},
+    {"printf GIF89a > photos/020.png", NULL, 0, {"photos/020.png"}},
+    {"head -c 500 photos/020.png > x && mv x photos/020.png", NULL, 0, {"photos/020.png"}},
+    {": > photos/021.png", NULL, 0, {"file is empty", "photos/021.png"}},
 };
 
 static void make_spare(void) {
@@ -941,7 +921,8 @@ static void must_fail(const Fault *fault) {
     if (fault->change) fault->change(call);
     err = (FfpError){0};
     if (ffp_import(&call->options, &err)) fail_msg("no error after: %s", fault->command);
-    for (int i = 0; i < 3 && fault->words[i]; i++)
+    must_be(&err, fault->rule);
+    for (int i = 0; i < 2 && fault->words[i]; i++)
         if (!strstr(err.text, fault->words[i]))
             fail_msg("no \"%s\" after %s: %s", fault->words[i], fault->command, err.text);
     assert_false(ffp_is_folder(call->folder));
