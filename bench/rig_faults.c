@@ -19,6 +19,7 @@ static char said[4096];   // what the last check found
 static FfpFinding *items; // the same, [count]
 static int count;
 static bool sound; // nothing was refused
+static bool whole; // `info`'s looks count as well
 
 static FfpView *view_of(const FfpCapture *c, int v) {
     return &c->views[v];
@@ -408,13 +409,17 @@ enum { FAULTS = sizeof faults / sizeof *faults };
 
 static bool check(void *capture, FfpError *err) {
     FfpFindings found = {0};
-    ffp_rig_faults(&found, capture);
+    if (whole)
+        ffp_rig_look(&found, capture, &((FfpCapture *)capture)->views[0].camera);
+    else
+        ffp_rig_faults(&found, capture);
     items = ffp_findings_packed(&found);
     count = found.count;
     (void)err;
     sound = !ffp_findings_fault(&found);
     for (int i = 0; i < count; i++) {
         const size_t n = strlen(said);
+        if (items[i].severity == FFP_FINDING_OK) continue;
         snprintf(said + n, sizeof said - n, "%s%s%s (%s); ", items[i].text, items[i].advice ? ": " : "",
                  items[i].advice ? items[i].advice : "", items[i].view ? items[i].view : "all");
     }
@@ -473,6 +478,7 @@ static int try_faults(FfpContext *context, const char *path) {
 
 static int try_sound(FfpContext *context, FfpCapture *capture, const char *name, double *most) {
     Moment took;
+    whole = true;
     const bool passed = look(context, capture, &took);
     *most = fmax(*most, took.processor);
     if (!passed || said[0]) printf("%s: %s (%.0f ms)\n", name, said, 1e3 * took.processor);

@@ -481,6 +481,11 @@ static const FfpRule rules[FFP_RULES] = {
          "only {x:.0f} of {y:.0f} photographs of Gray codes were found, and these do not "
          "fit together",
          "is the projector's size right? Otherwise: {a}", NULL},
+    // Below the limit the same values, read as linear light, add up to less than half as far from white.
+    [FFP_RULE_CODES_LINEAR] =
+        {"codes-linear", DOUBT, "codes", "of white", 0.62,
+         "the finest codes and their inverses add up to {figure:.2f} of white",
+         "the photographs' values look like linear light: if they are, import them as that", "linear=images"},
     [FFP_RULE_PANEL_SIDES] = {"panel-sides", FAULT, "codes", NULL, 0,
                               "the rows' codes begin here, as on a panel of {y:.0f} x {x:.0f} pixels",
                               "the panel's width and height, {x:.0f} x {y:.0f}, are exchanged", NULL},

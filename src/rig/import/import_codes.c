@@ -8,7 +8,6 @@
 
 #define PIXELS_LEFT 2.0
 #define PANEL_LEFT 2.0
-#define FINE_SUM_MIN 0.75 // of white
 #define CODES_OFF_MAX 3.0 // pixels: median by which the codes may contradict the calibration
 
 static int count_missing(const FfpImporting *import, int stop) {
@@ -34,10 +33,8 @@ static void note_report(const FfpImporting *import, const FfpView *view, const F
     if (report->clipped > ffp_rule(FFP_RULE_CODES_CLIPPED)->limit)
         ffp_note("  under white %.0f %% of the light pixels are overexposed: shorten the exposure",
                  100 * report->clipped);
-    if (report->fine_sum < FINE_SUM_MIN && !import->settings->linear_images)
-        ffp_note("  the finest codes and their inverses add up to %.2f of white: the photographs' values "
-                 "look like linear light: if they are, import them as linear images",
-                 report->fine_sum);
+    if (report->fine_sum < ffp_rule(FFP_RULE_CODES_LINEAR)->limit && !import->settings->linear_images)
+        ffp_tell(FFP_RULE_CODES_LINEAR, &(FfpFacts){.figure = report->fine_sum});
 }
 
 // The view's correspondence from the decoded map, checked against the poses.
