@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Faults of rooms, put into photographs of a room one at a time: the messages of `import` and `info` on each, and what it costs.
+"""Faults of rooms, put into photographs of a room one at a time: what `import`, `info` and `reconstruct` find in each, by code, and what it costs.
 
     bench/room_faults.py ROOM PATTERNS FFPROCAMS WORK [--width 240] [--only WORDS]..
 
 ROOM: as `ffprocams generate ROOM --photographs PATTERNS --room --seed N` writes it, with one lollipop; FFPROCAMS: the program; WORK: a new folder.
 Prints a table in Markdown: pixels of the true masks that are missing, and those too many, in percent of the object; by how many dB the
-object's pixels at two new turns (three patterns, without noise) are worse than in the sound room; and the messages that the sound room
+object's pixels at two new turns (three patterns, without noise) are worse than in the sound room; and the findings that the sound room
 does not get. Where the fault is the object's own look (RENDERED), its truth is the new turns with the same look, and what is printed is
 the dB there, and the dB with true masks of the same photographs: another object's dB say nothing next to the sound room's. Where it
 moves (SLIPPED), the truth is where it stood first, and views after the slip have the poses that were noted, which are no longer right:
@@ -18,6 +18,7 @@ import json
 import pathlib
 import shutil
 import subprocess
+import tempfile
 
 import numpy as np
 from PIL import Image, ImageFilter
@@ -158,10 +159,14 @@ def put(fault, into):
 
 
 def said_by(*command):
-    run = subprocess.run([arguments.program, *map(str, command)], capture_output=True, text=True, check=False)
-    text = run.stdout + run.stderr
-    lines = [line.replace("ffprocams: ", "").strip() for line in text.splitlines()]
-    return run.returncode, [line for line in lines if line.startswith(("warning", "error", "->"))]
+    """Its status, and the codes of its doubts and faults with their views; an error without a code in its words."""
+    with tempfile.TemporaryFile() as file:
+        run = subprocess.run([arguments.program, "--events", str(file.fileno()), *map(str, command)], pass_fds=[file.fileno()], capture_output=True, check=False)
+        file.seek(0)
+        events = [json.loads(line) for line in file]
+    found = [event["finding"] for event in events if event["event"] == "finding"]
+    said = [" ".join(["`%s`" % f["code"], *(f[k] for k in ("view", "other") if k in f)]) for f in found if f["severity"] in ("doubt", "fault")]
+    return run.returncode, said + ["`%s`" % e["code"] if "code" in e else e["text"] for e in events if e["event"] == "error" and not e["fault"]]
 
 
 def masks_of(capture):
@@ -261,9 +266,9 @@ def try_fault(fault, usual, sound):
         db, more = quality(here / "capture", here / "truth" if fault in RENDERED else work / "truth")
         said += more
         lost = lost_by(fault, here, angles, db, sound)
-    new = [line for line in dict.fromkeys(said) if sound is not None and line[:40] not in usual]
+    new = [one for one in dict.fromkeys(said) if sound is not None and one not in usual]
     print(f"| {fault} | {share} | {lost} | {'; '.join(new) or 'nothing'} |", flush=True)
-    return {line[:40] for line in said}, db
+    return set(said), db
 
 
 work.mkdir(parents=True)

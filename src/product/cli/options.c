@@ -410,7 +410,7 @@ static void free_lists(const FfpCommand *command, void *arguments) {
 }
 
 int ffp_cli_run(const FfpCommand *command, int argc, char **argv) {
-    static const FfpError no_memory = {"out of memory", FFP_ERROR_MEMORY};
+    static const FfpError no_memory = {.text = "out of memory", .code = FFP_ERROR_MEMORY};
     void *arguments = calloc(1, command->size);
     if (!arguments) return ffp_cli_fail(&no_memory);
     if (command->set_defaults) command->set_defaults(arguments);

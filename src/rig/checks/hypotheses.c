@@ -11,7 +11,8 @@
 #define UNREACHED_MOST 0.1   // of the lit pixels, where no light can be: more than that before, and
 #define UNREACHED_LEAST 0.02 // less than that after
 #define THIRDS 4
-#define SUSPECTS 8 // views of which two may be exchanged: the time to try them does not grow with the views
+#define EXCHANGES 16 // views with which one may be exchanged by its surface, which takes long
+#define SUSPECTS 8   // views of which two may be exchanged: the time to try them does not grow with the views
 
 typedef enum Mishap { HALF_TURN, TO_THE_LEFT, TO_THE_RIGHT, MIRRORED, FLIPPED, MISHAPS } Mishap;
 
@@ -248,17 +249,17 @@ static bool suppose_exchange(Trial *t, const FfpCase *c, int variant) {
            take_photographs(&t->capture.views[pair[1]], &views[pair[0]]);
 }
 
-static bool suppose_exchange_of_two(Trial *t, const FfpCase *c, int variant) {
+// Of the one view with another.
+static bool suppose_exchange_of_one(Trial *t, const FfpCase *c, int variant) {
     const FfpView *views = c->capture->views;
-    (void)variant;
-    return take_photographs(&t->capture.views[c->view], &views[c->other]) &&
-           take_photographs(&t->capture.views[c->other], &views[c->view]);
+    return variant < c->capture->n_views && variant != c->view &&
+           take_photographs(&t->capture.views[c->view], &views[variant]) &&
+           take_photographs(&t->capture.views[variant], &views[c->view]);
 }
 
-static FfpRuleId tell_exchange_of_two(const FfpCase *c, int variant, FfpFacts *facts) {
-    (void)variant;
-    facts->view = c->capture->views[c->view].id;
-    facts->other = c->capture->views[c->other].id;
+static FfpRuleId tell_exchange_of_one(const FfpCase *c, int variant, FfpFacts *facts) {
+    facts->view = c->capture->views[c->view < variant ? c->view : variant].id;
+    facts->other = c->capture->views[c->view < variant ? variant : c->view].id;
     return FFP_RULE_VIEWS_EXCHANGED;
 }
 
@@ -491,7 +492,7 @@ static const struct Hypothesis {
     {FFP_VIEW_BY_LIGHT, MISHAPS, suppose_mishap_alone, mishap_fits, NULL, tell_mishap},
     {FFP_VIEW_BY_LIGHT, FFP_VIEWS_MAX, suppose_photograph, photograph_agrees, NULL, tell_photograph},
     {FFP_VIEW_BY_LIGHT, FFP_PATTERNS_MAX, suppose_pattern_once, NULL, NULL, tell_pattern_once},
-    {FFP_VIEWS_BY_DEPTH, 1, suppose_exchange_of_two, NULL, NULL, tell_exchange_of_two},
+    {FFP_VIEW_BY_DEPTH, EXCHANGES, suppose_exchange_of_one, NULL, NULL, tell_exchange_of_one},
 };
 
 // --- The loop. ---
@@ -502,9 +503,9 @@ static double left_by(const struct Hypothesis *h, const FfpCase *c, int variant,
     double left = INFINITY;
     if (h->suppose(&t, c, variant)) {
         const bool by_shape = h->evidence == FFP_VIEW_BY_SHAPE || h->evidence == FFP_VIEWS_BY_SHAPE;
-        left = by_shape                            ? ffp_rig_misfit_below(&t.capture, c->enough)
-               : h->evidence == FFP_VIEWS_BY_DEPTH ? ffp_rig_slip(&t.capture, c->active).pairs
-                                                   : light_in(&t, c);
+        left = by_shape                           ? ffp_rig_misfit_below(&t.capture, c->enough)
+               : h->evidence == FFP_VIEW_BY_DEPTH ? ffp_rig_slip(&t.capture, c->active).pairs
+                                                  : light_in(&t, c);
         // Mirrored photographs and a mirrored pattern look alike from above the projector.
         if (h->suppose == suppose_mirror && variant >= PHOTOGRAPHS_ACROSS) left /= CLEARLY;
         if (!(left < least) || !(left < (h->enough ? h->enough(c, &t) : c->enough))) left = INFINITY;

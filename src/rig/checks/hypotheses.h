@@ -13,14 +13,14 @@ typedef enum FfpEvidence {
     FFP_VIEWS_BY_LIGHT,  // all, by the structured light
     FFP_VIEW_BY_LIGHT,   // one
     FFP_VALUES_BY_LIGHT, // what the values of all photographs stand for
-    FFP_VIEWS_BY_DEPTH,  // two, by the surfaces that the light of each gives: how many pairs lie apart
+    FFP_VIEW_BY_DEPTH,   // one, by the surfaces that each view's light gives: the pairs that lie apart
 } FfpEvidence;
 
 typedef struct FfpCase {
     const FfpCapture *capture;
     int active;                   // the structured light's pattern; -1: none
     const FfpSummed *pattern;     // its picture
-    int view, other;              // the one view, or the two
+    int view;                     // the one view
     const FfpSilhouettes *shapes; // by silhouettes
     double error, chance;         // by light: as it is, and by chance
     double enough;                // share of the pixels or error that is an explanation

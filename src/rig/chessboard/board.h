@@ -1,7 +1,7 @@
 // A chessboard in one attitude: its corners in the camera's picture and on the projector's panel. Pixel
 // centres lie at integers here, as OpenCV has them.
-#ifndef FFP_CALIBRATE_BOARD_H
-#define FFP_CALIBRATE_BOARD_H
+#ifndef FFP_CHESSBOARD_BOARD_H
+#define FFP_CHESSBOARD_BOARD_H
 
 #include "core/image/image.h"
 #include "rig/chessboard/opencv.h"

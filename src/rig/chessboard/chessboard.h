@@ -5,8 +5,8 @@
 #include "rig/chessboard/fit.h"
 #include "rig/shots/folders.h"
 
-// Decodes and locates the board in every folder's photographs. Every attitude that cannot serve has its
-// problem. Errors: a picture that cannot be read; cameras' pictures of two sizes; no board in any of them.
+// Decodes and locates the board in every folder's photographs. An attitude that cannot be used gets a
+// `problem`. Errors: a picture that cannot be read; cameras' pictures of two sizes; no board in any of them.
 bool ffp_read_attitudes(FfpRigFit *fit, const FfpShotFolders *folders, FfpError *err);
 void ffp_rig_fit_free(FfpRigFit *fit); // its attitudes
 

@@ -1,6 +1,6 @@
 // From corners to the optics of camera and projector and the motion between them.
-#ifndef FFP_CALIBRATE_FIT_H
-#define FFP_CALIBRATE_FIT_H
+#ifndef FFP_CHESSBOARD_FIT_H
+#define FFP_CHESSBOARD_FIT_H
 
 #include "rig/chessboard/board.h"
 

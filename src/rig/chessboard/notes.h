@@ -1,6 +1,6 @@
 // Messages about the attitudes: each is given once, with the names of the attitudes that it applies to.
-#ifndef FFP_CALIBRATE_NOTES_H
-#define FFP_CALIBRATE_NOTES_H
+#ifndef FFP_CHESSBOARD_NOTES_H
+#define FFP_CHESSBOARD_NOTES_H
 
 #include "rig/chessboard/fit.h"
 

@@ -2,8 +2,8 @@
 // device and of two. They are in a module (opencv_module.h), which is loaded on first use. Pixel centres are
 // at integers here, as in OpenCV. Nothing here allocates memory from the call, so that no call is aborted
 // from inside C++: results go into the caller's arrays.
-#ifndef FFP_CALIBRATE_OPENCV_H
-#define FFP_CALIBRATE_OPENCV_H
+#ifndef FFP_CHESSBOARD_OPENCV_H
+#define FFP_CHESSBOARD_OPENCV_H
 
 #include <stdbool.h>
 #include "core/base/error.h"

@@ -1,6 +1,6 @@
 // The pose of a known device in front of a board.
-#ifndef FFP_CALIBRATE_POSE_H
-#define FFP_CALIBRATE_POSE_H
+#ifndef FFP_CHESSBOARD_POSE_H
+#define FFP_CHESSBOARD_POSE_H
 
 #include <stdbool.h>
 #include "rig/chessboard/board.h"

@@ -1,6 +1,6 @@
 // Which lens terms the photographs determine, and whether the calibration can do without the others.
-#ifndef FFP_CALIBRATE_TERMS_H
-#define FFP_CALIBRATE_TERMS_H
+#ifndef FFP_CHESSBOARD_TERMS_H
+#define FFP_CHESSBOARD_TERMS_H
 
 #include "rig/chessboard/fit.h"
 

@@ -1,6 +1,6 @@
 // The corners of all attitudes as OpenCV takes them.
-#ifndef FFP_CALIBRATE_VIEWS_H
-#define FFP_CALIBRATE_VIEWS_H
+#ifndef FFP_CHESSBOARD_VIEWS_H
+#define FFP_CHESSBOARD_VIEWS_H
 
 #include "rig/chessboard/fit.h"
 #include "rig/chessboard/opencv.h"

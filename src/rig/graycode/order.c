@@ -161,9 +161,9 @@ static int broader_bit(const Seen *seen, const Swap *swap) {
 }
 
 // Where one bit alone changes, a number must go on to the next, or to one near it where the camera steps over
-// codes. Where photographs have changed places, it
-// jumps at the edges of coarser bits: the finest bit with such edges, -1: none. The edge of a stripe is one
-// and the same change along a line; single changes, as silhouettes have them, do not count.
+// codes. Where photographs have changed places, it jumps at the edges of coarser bits: the finest bit with
+// such edges, -1: none. The edge of a stripe is one and the same change along a line; single changes, as
+// silhouettes have them, do not count.
 static int jumping_bit(const Seen *seen, const Swap *swap, double most) {
     const int next = seen->several > STEPS_OVER * seen->singles ? NEXT_MAX : 1;
     for (int bit = seen->bits - 1; bit >= 0; bit--) {

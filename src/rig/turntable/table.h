@@ -30,9 +30,8 @@ typedef struct FfpTableFit {
 } FfpTableFit;
 
 // `folder` has one photograph for each angle, in natural order. The camera is known as well as its deviations
-// say (0: nothing is known of that). Errors: another number
-// of photographs, pictures of another size, fewer than FFP_TABLE_STOPS_LEAST with a board, angles all alike,
-// poses that no turn by these angles explains.
+// say (0: nothing is known of that). Errors: another number of photographs, pictures of another size, fewer
+// than FFP_TABLE_STOPS_LEAST with a board, angles all alike, poses that no turn by these angles explains.
 bool ffp_fit_table(FfpTableFit *fit, const FfpBoard *board, const FfpCvDevice *camera, const char *folder,
                    const double *angles, int n_angles, FfpError *err);
 void ffp_table_free(FfpTableFit *fit);

@@ -55,7 +55,7 @@ static void a_call_that_succeeds_keeps_its_memory(void **state) {
     (void)state;
     int *numbers = NULL;
     released = 0;
-    FfpError err = {"of an earlier call", FFP_ERROR_FILE};
+    FfpError err = {.text = "of an earlier call", .code = FFP_ERROR_FILE};
     assert_true(ffp_call_run(NULL, modest, &numbers, &err));
     assert_true(err.code == FFP_OK && err.text[0] == 0);
     assert_true(numbers[2] == 7 && numbers[999] == 0);

@@ -292,12 +292,12 @@ static void a_baseline_in_another_unit(void **state) {
 // Of an object that looks alike from both sides, surfaces tell what silhouettes and the pattern do not.
 static void two_views_exchanged_by_their_surfaces(void **state) {
     (void)state;
-    FfpCase c = {.capture = &capture, .view = VIEW, .other = OTHER, .enough = 1};
+    FfpCase c = {.capture = &capture, .view = OTHER, .enough = 1};
     c.active = ffp_capture_active_pattern(&capture, NULL, NULL);
     ffp_findings_free(&found);
-    assert_true(ffp_hypotheses_try(&found, FFP_VIEWS_BY_DEPTH, &c));
+    assert_true(ffp_hypotheses_try(&found, FFP_VIEW_BY_DEPTH, &c));
     exchange_photographs(&capture.views[VIEW], &capture.views[OTHER]);
-    assert_false(ffp_hypotheses_try(&found, FFP_VIEWS_BY_DEPTH, &c));
+    assert_false(ffp_hypotheses_try(&found, FFP_VIEW_BY_DEPTH, &c));
     must_find(FFP_RULE_VIEWS_EXCHANGED, capture.views[VIEW].id);
 }
 
