@@ -5,9 +5,11 @@
 #include "core/base/alloc.h"
 #include "core/base/log.h"
 #include "core/base/rigid.h"
+#include "rig/findings/tell.h"
 #include "rig/optics/document.h"
 #include "rig/optics/matrix.h"
 
+#define UNITS 25          // times the baseline, or its part, that no rig has its axis away
 #define PLACE "turntable" // the setting, for errors
 #define ANGLE_MAX 36000.0
 
@@ -268,6 +270,17 @@ bool ffp_turntable_apply(const FfpTurntable *turntable, FfpCalibration *calibrat
     return true;
 }
 
+// Doubts an axis far nearer or farther than the projector is from the camera.
+static void compare_units(const FfpTurntable *turntable, const FfpCalibration *calibration) {
+    double across[3], apart = 0;
+    ffp_cross(turntable->axis, turntable->point, across);
+    const double away = sqrt(ffp_dot(across, across));
+    for (int i = 3; i < 12; i += 4) apart += calibration->p2c[i] * calibration->p2c[i];
+    const double ratio = sqrt(apart) / away;
+    if (ratio > UNITS || ratio * UNITS < 1)
+        ffp_tell(FFP_RULE_AXIS_UNIT, &(FfpFacts){.x = sqrt(apart), .y = away});
+}
+
 // One stop, "000", whose world is the camera's frame.
 static bool single_stop(FfpCalibration *calibration, FfpError *err) {
     const FfpNode place_field = {.file = PLACE};
@@ -286,6 +299,7 @@ bool ffp_turntable_settle(const FfpImportTurntable *given, FfpCalibration *calib
     FfpTurntable *turntable = ffp_alloc(1, sizeof *turntable);
     const bool ok =
         ffp_turntable_take(turntable, given, err) && ffp_turntable_apply(turntable, calibration, err);
+    if (ok && !given->find_axis) compare_units(turntable, calibration);
     ffp_free(turntable);
     return ok;
 }

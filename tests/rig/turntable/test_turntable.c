@@ -1,5 +1,6 @@
 // Turntables: where their stops are, and their files.
 #include <math.h>
+#include "core/base/call.h"
 #include "core/base/rigid.h"
 #include "rig/optics/matrix.h"
 #include "rig/turntable/turntable.h"
@@ -126,6 +127,32 @@ static void test_files_of_turntables(void **state) {
     }
 }
 
+static char told[64];
+
+static void keep_code(void *user, const FfpFinding *finding) {
+    (void)user;
+    snprintf(told, sizeof told, "%s", finding->code);
+}
+
+static bool settle(void *given, FfpError *error) {
+    return ffp_turntable_settle(given, &calibration, error);
+}
+
+// An axis in metres beside a rig in millimetres.
+static void test_units(void **state) {
+    (void)state;
+    FfpContext context = {.settings = {.finding = keep_code}};
+    const double angles[3] = {0, 30, 200};
+    for (int metres = 0; metres < 2; metres++) {
+        FfpImportTurntable given = {
+            .axis = {0, -1, 0}, .point = {0, 0, metres ? 0.3 : 300}, .angles = angles, .n_angles = 3};
+        calibration = fixed_rig();
+        assert_true(ffp_call_run(&context, settle, &given, &err));
+        assert_string_equal(told, metres ? "axis-unit" : "");
+        ffp_calibration_free(&calibration);
+    }
+}
+
 // Stops by their names; those that are left out keep their place in the count.
 static void test_named_stops(void **state) {
     (void)state;
@@ -152,9 +179,8 @@ static void test_named_stops(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_turntable),
-        cmocka_unit_test(test_one_world),
-        cmocka_unit_test(test_files_of_turntables),
+        cmocka_unit_test(test_turntable),           cmocka_unit_test(test_one_world),
+        cmocka_unit_test(test_files_of_turntables), cmocka_unit_test(test_units),
         cmocka_unit_test(test_named_stops),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
