@@ -1,4 +1,4 @@
-// What a pixel of a view shows: background, the projector's light, the pattern.
+// A pixel of a view: background, the light of the projector, and the share of it under a pattern.
 #ifndef FFP_CAPTURE_PIXEL_H
 #define FFP_CAPTURE_PIXEL_H
 
@@ -10,7 +10,7 @@ bool ffp_is_background(const FfpImage *coverage, int x, int y);
 // White adds 0.04 (linear radiance) to the pixel in every channel.
 bool ffp_is_lit(const FfpCapture *capture, const FfpView *view, size_t pixel);
 
-// What the photograph under a pattern has of white's light, (photograph - black) / (white - black), per
+// The share of white's light in the photograph under a pattern, (photograph - black) / (white - black), per
 // channel. False: the pixel is not lit, or white is near the camera's limit, which tells no ratio.
 bool ffp_lit_ratio(const FfpCapture *capture, const FfpView *view, const FfpImage *photograph, size_t pixel,
                    real ratio[3]);

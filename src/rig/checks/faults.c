@@ -116,7 +116,7 @@ static void check_repeated_views(FfpFindings *found, const FfpCapture *capture) 
     ffp_free(sums);
 }
 
-// What a pattern shows of white, in the mean.
+// The mean of a pattern's values, as a share of white.
 static double mean_shown(const FfpCapture *capture, int pattern) {
     const FfpImage *image = &capture->patterns[pattern].image;
     if (pattern == capture->black || pattern == capture->white) return pattern == capture->white;
