@@ -177,7 +177,8 @@ static void check_surfaces(FfpFindings *found, const FfpCapture *capture) {
     if (slip.compared == 0) return;
     const int first = slip.first < 0 ? slip.pair : slip.first,
               last = slip.first < 0 ? (slip.pair + 1) % capture->n_views : slip.last;
-    const FfpCase c = {.capture = capture, .active = active, .view = first, .enough = 1};
+    const FfpCase c = {
+        .capture = capture, .active = active, .view = first, .compared = slip.compared, .enough = 1};
     if (slip.pairs > 1 && !ffp_hypotheses_try(found, FFP_VIEW_BY_DEPTH, &c)) return;
     char turned[64] = "";
     if (slip.turn > 0) snprintf(turned, sizeof turned, ", turned by %.0f degrees", slip.turn);

@@ -257,6 +257,15 @@ static bool suppose_exchange_of_one(Trial *t, const FfpCase *c, int variant) {
            take_photographs(&t->capture.views[variant], &views[c->view]);
 }
 
+// Of an object that slipped another view may show nothing that contradicts, but its silhouette does.
+static bool exchange_agrees(const FfpCase *c, int variant) {
+    Trial t = trial_new(c->capture, c->active);
+    suppose_exchange_of_one(&t, c, variant);
+    const bool fits = ffp_rig_silhouette_misfit(&t.capture) <= ffp_rig_silhouette_misfit(c->capture);
+    ffp_arena_free(t.memory);
+    return fits;
+}
+
 static FfpRuleId tell_exchange_of_one(const FfpCase *c, int variant, FfpFacts *facts) {
     facts->view = c->capture->views[c->view < variant ? c->view : variant].id;
     facts->other = c->capture->views[c->view < variant ? variant : c->view].id;
@@ -492,10 +501,16 @@ static const struct Hypothesis {
     {FFP_VIEW_BY_LIGHT, MISHAPS, suppose_mishap_alone, mishap_fits, NULL, tell_mishap},
     {FFP_VIEW_BY_LIGHT, FFP_VIEWS_MAX, suppose_photograph, photograph_agrees, NULL, tell_photograph},
     {FFP_VIEW_BY_LIGHT, FFP_PATTERNS_MAX, suppose_pattern_once, NULL, NULL, tell_pattern_once},
-    {FFP_VIEW_BY_DEPTH, EXCHANGES, suppose_exchange_of_one, NULL, NULL, tell_exchange_of_one},
+    {FFP_VIEW_BY_DEPTH, EXCHANGES, suppose_exchange_of_one, exchange_agrees, NULL, tell_exchange_of_one},
 };
 
 // --- The loop. ---
+
+// Views that show nothing of one surface any more explain nothing.
+static double pairs_apart(const Trial *t, const FfpCase *c) {
+    const FfpSlip slip = ffp_rig_slip(&t->capture, c->active);
+    return slip.compared < c->compared ? INFINITY : slip.pairs;
+}
 
 // The rest of the contradiction that a variant leaves; not below `least` or the case's `enough`: INFINITY.
 static double left_by(const struct Hypothesis *h, const FfpCase *c, int variant, double least) {
@@ -504,7 +519,7 @@ static double left_by(const struct Hypothesis *h, const FfpCase *c, int variant,
     if (h->suppose(&t, c, variant)) {
         const bool by_shape = h->evidence == FFP_VIEW_BY_SHAPE || h->evidence == FFP_VIEWS_BY_SHAPE;
         left = by_shape                           ? ffp_rig_misfit_below(&t.capture, c->enough)
-               : h->evidence == FFP_VIEW_BY_DEPTH ? ffp_rig_slip(&t.capture, c->active).pairs
+               : h->evidence == FFP_VIEW_BY_DEPTH ? pairs_apart(&t, c)
                                                   : light_in(&t, c);
         // Mirrored photographs and a mirrored pattern look alike from above the projector.
         if (h->suppose == suppose_mirror && variant >= PHOTOGRAPHS_ACROSS) left /= CLEARLY;

@@ -22,6 +22,7 @@ typedef struct FfpCase {
     const FfpSummed *pattern;     // its picture
     int view;                     // the one view
     const FfpSilhouettes *shapes; // by silhouettes
+    int compared;                 // by depth: pairs of neighbours that show enough of one surface
     double error, chance;         // by light: as it is, and by chance
     double enough;                // share of the pixels or error that is an explanation
 } FfpCase;

@@ -292,7 +292,7 @@ static void a_baseline_in_another_unit(void **state) {
 // Of an object that looks alike from both sides, surfaces tell what silhouettes and the pattern do not.
 static void two_views_exchanged_by_their_surfaces(void **state) {
     (void)state;
-    FfpCase c = {.capture = &capture, .view = OTHER, .enough = 1};
+    FfpCase c = {.capture = &capture, .view = OTHER, .compared = 8, .enough = 1};
     c.active = ffp_capture_active_pattern(&capture, NULL, NULL);
     ffp_findings_free(&found);
     assert_true(ffp_hypotheses_try(&found, FFP_VIEW_BY_DEPTH, &c));
