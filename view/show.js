@@ -11,7 +11,7 @@ function checkCue(cue) {
     follow: follow === null ? null : number('cues: follow', follow, 0, FOLLOW_MAX), pose: pose === undefined || pose === null ? null : number('cues: pose', pose, 0, 1e6),
     shown: list('cues: shown', shown, PROJECTORS_MAX).map((p) => ({
       layers: checkLayers(p && p.layers ? p : {content: p}), correction: oneOf('cues: correction', (p && p.correction) || 'none', CORRECTIONS),
-      watcher: (p && p.watcher) || 'now',
+      watcher: p && p.watcher !== undefined ? p.watcher : 'now',
     })),
   };
 }

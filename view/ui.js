@@ -225,6 +225,7 @@ function buildCorrection(app) {
     if (what === 'drawn') return;
     $('gain-row').hidden = app.projector.correction !== 'colours';
     $('watcher-row').hidden = !app.projector.corrected;
+    $('send').textContent = app.projectors.length < 2 ? 'Open the projector window' : `Open projector ${app.projector.number}'s window`;
     $('same').hidden = $('black-row').hidden = app.projectors.length < 2;
   });
 }
