@@ -160,7 +160,7 @@ static real beyond(const Plane *plane, const FfpView *view, size_t pixel, real z
     return far > 1 ? log(far) : 0;
 }
 
-// What speaks against a plane before any picture is asked: that it is small, and ends before the pixel's
+// The evidence against a plane before any picture is asked: it is small, and ends before the pixel's
 // point at depth z.
 static real plane_prior(const Layout *l, int k, const FfpView *view, size_t pixel, real z) {
     return SMALLER * log((real)l->planes[0].points / (real)l->planes[k].points) +
