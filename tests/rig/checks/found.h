@@ -6,6 +6,20 @@
 #include "support.h"
 
 static FfpFindings found; // of the last check
+static FfpCapture capture;
+
+// A sound capture.
+static int setup(void **state) {
+    (void)state;
+    return !ffp_capture_read(&capture, FFP_SOURCE_DIR "/data/sample", NULL);
+}
+
+static int teardown(void **state) {
+    (void)state;
+    ffp_capture_free(&capture);
+    ffp_findings_free(&found);
+    return 0;
+}
 
 // The finding of a rule, about a view (NULL: about none, or any).
 static inline const FfpFinding *must_find(FfpRuleId id, const char *view) {

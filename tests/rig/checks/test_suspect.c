@@ -8,19 +8,6 @@
 
 enum { VIEW = 3, OTHER = 5 };
 
-static FfpCapture capture;
-
-static int setup(void **state) {
-    (void)state;
-    return !ffp_capture_read(&capture, FFP_SOURCE_DIR "/data/sample", NULL);
-}
-
-static int teardown(void **state) {
-    (void)state;
-    ffp_capture_free(&capture);
-    return 0;
-}
-
 // As a fault; of no view: of all.
 static const FfpFinding *must_name(FfpRuleId rule, const char *view) {
     FfpError err = {0};
