@@ -100,9 +100,13 @@ async function lookOnce() {
   return `${told.text} (${new Date().toLocaleTimeString()}, ${(watching.took[1] / 1000).toFixed(1)} s)`;
 }
 
+function setWatch(on) {
+  watching.on = on;
+  $('watch').textContent = on ? 'Stop watching' : 'Keep watch';
+}
+
 async function keepWatch() {
-  watching.on = !watching.on;
-  $('watch').setAttribute('aria-pressed', watching.on);
+  setWatch(!watching.on);
   if (!watching.on || watching.busy) return;
   watching.busy = true;
   try {
@@ -111,8 +115,8 @@ async function keepWatch() {
       await sleep(WATCH_EVERY);
     }
   } finally {
-    watching.on = watching.busy = false;
-    $('watch').setAttribute('aria-pressed', false);
+    watching.busy = false;
+    setWatch(false);
   }
 }
 
