@@ -15,7 +15,9 @@ static const char style[] =
     "pre{overflow-x:auto;font-size:13px}img{max-width:100%;background:#000}"
     "figure{display:inline-block;width:250px;margin:0 6px 12px 0;vertical-align:top}"
     "figcaption{font-size:13px;color:#555;overflow-wrap:anywhere}.look{color:#b40;font-weight:bold}"
-    "@media(prefers-color-scheme:dark){body{color:#ddd;background:#17171a}a{color:#8bf}figcaption{color:#aaa}"
+    ":root{color-scheme:light "
+    "dark}@media(prefers-color-scheme:dark){body{color:#ddd;background:#17171a}a{color:#8bf}figcaption{color:"
+    "#aaa}"
     "td,th,h2{border-color:#444}.look{color:#f96}}";
 
 static bool put_image(FILE *out, const FfpImage *encoded, const char *text, FfpError *err) {

@@ -26,7 +26,9 @@ static const char style[] =
     "td,th{border-bottom:1px solid #ddd;padding:3px 10px;text-align:right}td:first-child,th:first-child,"
     ".why{text-align:left}.open{color:#b40}i{display:inline-block;width:.8em;height:.8em;border-radius:50%}"
     "@media(max-width:700px){figure{width:100%}}"
-    "@media(prefers-color-scheme:dark){body{color:#ddd;background:#17171a}a{color:#8bf}figcaption{color:#aaa}"
+    ":root{color-scheme:light "
+    "dark}@media(prefers-color-scheme:dark){body{color:#ddd;background:#17171a}a{color:#8bf}figcaption{color:"
+    "#aaa}"
     "td,th,h2{border-color:#444}.open{color:#f96}}";
 
 // --- Figures as numbers. ---
