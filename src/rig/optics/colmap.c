@@ -25,6 +25,7 @@ typedef struct Lines { // a text file, line by line
 typedef struct ColmapCamera {
     long id;
     FfpOptics optics;
+    FfpError problem; // of a model that is not read: an error where an image has it
 } ColmapCamera;
 
 typedef struct ColmapImage {
@@ -152,7 +153,8 @@ static bool read_camera(const Lines *lines, char *at, ColmapCamera *camera, FfpE
         if (n < PARAMETERS_MAX) parameters[n] = value;
     }
     camera->optics = (FfpOptics){.width = (int)width, .height = (int)height};
-    return camera_from(lines, model, parameters, n, &camera->optics, err);
+    camera_from(lines, model, parameters, n, &camera->optics, &camera->problem);
+    return true;
 }
 
 static bool read_cameras(Colmap *colmap, Lines *lines, FfpError *err) {
@@ -221,7 +223,8 @@ static bool optics_of(const Colmap *colmap, const ColmapImage *image, const char
     for (int i = 0; i < colmap->n_cameras; i++) {
         if (colmap->cameras[i].id != image->camera) continue;
         *optics = colmap->cameras[i].optics;
-        return true;
+        if (err && colmap->cameras[i].problem.code != FFP_OK) *err = colmap->cameras[i].problem;
+        return colmap->cameras[i].problem.code == FFP_OK;
     }
     return ffp_document_fail(path, image->line, err, "camera %ld is not in cameras.txt", image->camera);
 }

@@ -204,7 +204,7 @@ def from_disk(page, program, capture, with_truth, folder):
     check_refusals(page, folder)
     stats = measured(page, capture)
     assert page.run("document.body.dataset.threads") == "1"
-    assert "Clipping: " in page.run("document.getElementById('notes').textContent")
+    assert page.run("!!document.querySelector('#notes [data-code=clipped]')")
     page.wait("document.getElementById('viewer').contentDocument?.body?.classList.contains('ready')", 600)
     time.sleep(5)  # until it has drawn
     page.screenshot(os.path.join(folder, "result.png"))

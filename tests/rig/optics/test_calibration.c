@@ -441,6 +441,21 @@ static void must_refuse_colmap(const char *cameras, const char *images, const ch
     must_fail(files, 1, what);
 }
 
+// A camera of a model that is not read matters where an image has it.
+static void test_unused_camera_of_colmap(void **state) {
+    (void)state;
+    static const char unused[] = "1 PINHOLE 64 48 50 51 32 24\n3 FOV 9 9 5 5 4 4 0.9\n";
+    static const char images[] = "1 1 0 0 0 0 0 0 1 calib.png\n\n2 1 0 0 0 0 0 1 %d a.png\n\n";
+    const char *const folder[1] = {in_scratch("model")};
+    char text[sizeof images];
+    snprintf(text, sizeof text, images, 3);
+    must_refuse_colmap(unused, text, "FOV");
+    snprintf(text, sizeof text, images, 1);
+    write_text("model/images.txt", text);
+    must_read(folder, 1);
+    ffp_calibration_free(&calibration);
+}
+
 static void test_bad_colmap(void **state) {
     (void)state;
     static const char cameras[] = "# a comment\n1 PINHOLE 64 48 50 51 32 24\n";
@@ -544,6 +559,7 @@ int main(void) {
         cmocka_unit_test(test_other_tools),
         cmocka_unit_test(test_colmap_in_folders),
         cmocka_unit_test(test_bad_colmap),
+        cmocka_unit_test(test_unused_camera_of_colmap),
         cmocka_unit_test(test_bad_lists),
         cmocka_unit_test(test_names_of_views),
     };
