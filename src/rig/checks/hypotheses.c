@@ -479,6 +479,31 @@ static FfpRuleId tell_photograph(const FfpCase *c, int variant, FfpFacts *facts)
     return FFP_RULE_PATTERN_EXCHANGED;
 }
 
+enum { STOPS_A_FACTOR = 4, FACTORS = 13 }; // up to one and a half stops down and up, a quarter at a time
+
+static double factor_of(int variant) {
+    return pow(2, (double)(variant - FACTORS / 2) / STOPS_A_FACTOR);
+}
+
+// The view's photograph under the pattern, exposed as the others were.
+static bool suppose_exposure(Trial *t, const FfpCase *c, int variant) {
+    const FfpImage *taken = &c->capture->views[c->view].images[c->active];
+    const size_t n = 3 * (size_t)taken->width * (size_t)taken->height;
+    FfpImage *photograph = ffp_arena_take(t->memory, 1, sizeof *photograph);
+    *photograph = *taken;
+    photograph->data = ffp_arena_take(t->memory, n, sizeof *photograph->data);
+    for (size_t i = 0; i < n; i++) photograph->data[i] = taken->data[i] / (real)factor_of(variant);
+    t->view = c->view;
+    t->guess.photograph = photograph;
+    return variant != FACTORS / 2;
+}
+
+static FfpRuleId tell_exposure(const FfpCase *c, int variant, FfpFacts *facts) {
+    facts->view = c->capture->views[c->view].id;
+    facts->x = factor_of(variant);
+    return FFP_RULE_EXPOSED_OTHERWISE;
+}
+
 // Tried in this order; of variants the best counts.
 static const struct Hypothesis {
     FfpEvidence evidence;
@@ -501,6 +526,7 @@ static const struct Hypothesis {
     {FFP_VIEW_BY_LIGHT, MISHAPS, suppose_mishap_alone, mishap_fits, NULL, tell_mishap},
     {FFP_VIEW_BY_LIGHT, FFP_VIEWS_MAX, suppose_photograph, photograph_agrees, NULL, tell_photograph},
     {FFP_VIEW_BY_LIGHT, FFP_PATTERNS_MAX, suppose_pattern_once, NULL, NULL, tell_pattern_once},
+    {FFP_VIEW_BY_LIGHT, FACTORS, suppose_exposure, NULL, NULL, tell_exposure},
     {FFP_VIEW_BY_DEPTH, EXCHANGES, suppose_exchange_of_one, exchange_agrees, NULL, tell_exchange_of_one},
 };
 

@@ -261,6 +261,10 @@ static const FfpRule rules[FFP_RULES] = {
                                     "its photograph under {a} does not fit the others of this view; that of "
                                     "view {other} does",
                                     "they are exchanged: exchange their files", FORCE},
+    [FFP_RULE_EXPOSED_OTHERWISE] =
+        {"exposed-otherwise", FAULT, "pattern", LOOKUP_ERROR, 0,
+         "its photograph under {a} was exposed {x:.2g} times as long as those under black and white",
+         "switch automatic exposure off, and take it again", FORCE},
     [FFP_RULE_PATTERN_NOT_THERE] = {"pattern-not-there", FAULT, "pattern", LOOKUP_ERROR, 0,
                                     "its photograph under {a} does not show that pattern where this view's "
                                     "projector is",

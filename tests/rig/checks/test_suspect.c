@@ -254,6 +254,13 @@ static void a_camera_without_colour(void **state) {
     must_name(FFP_RULE_GREY, NULL);
 }
 
+static void one_photograph_exposed_otherwise(void **state) {
+    (void)state;
+    FfpImage *active = shown(&capture.views[VIEW], 2);
+    for (int i = 0; i < 3 * active->width * active->height; i++) active->data[i] *= 0.6F;
+    must_name(FFP_RULE_EXPOSED_OTHERWISE, capture.views[VIEW].id);
+}
+
 // White, photographed again with its own noise in place of the pattern; and the room's light on under black.
 static void one_photograph_in_another_light(void **state) {
     (void)state;
@@ -386,6 +393,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(values_taken_for_others, setup, teardown),
         cmocka_unit_test_setup_teardown(a_camera_without_colour, setup, teardown),
         cmocka_unit_test_setup_teardown(one_photograph_in_another_light, setup, teardown),
+        cmocka_unit_test_setup_teardown(one_photograph_exposed_otherwise, setup, teardown),
         cmocka_unit_test_setup_teardown(a_baseline_in_another_unit, setup, teardown),
         cmocka_unit_test_setup_teardown(two_views_exchanged_by_their_surfaces, setup, teardown),
         cmocka_unit_test_setup_teardown(calibrations_of_another_size, setup, teardown),
