@@ -275,7 +275,7 @@ static bool run_capture(Bench *bench, const char *path, Figures *sum, FfpError *
                                    .noise = FFP_NOISE_ESTIMATED,
                                    .layers = FFP_LAYERS_AUTO};
     Figures own = {0};
-    bench->capture = ffp_capture_open(NULL, path, err);
+    bench->capture = ffp_capture_open(NULL, path, NULL, err);
     bool ok = bench->capture && has_depth(bench->capture, err);
     bench->gaussians = ok ? ffp_reconstruct(NULL, bench->capture, &how, NULL, err) : NULL;
     if (bench->gaussians) {

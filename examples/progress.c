@@ -40,7 +40,7 @@ int main(int argc, char **argv) {
     settings.user = &watch, settings.log = on_log, settings.progress = on_progress;
     settings.interval = 0.02;
     FfpContext *context = ffp_context_new(&settings, &err);
-    FfpCapture *capture = context ? ffp_capture_open(context, argv[1], &err) : NULL;
+    FfpCapture *capture = context ? ffp_capture_open(context, argv[1], NULL, &err) : NULL;
     FfpModel *model = capture ? ffp_model_open(context, NULL, &err) : NULL;
     FfpReconstruction options = ffp_reconstruction_defaults();
     options.model = model;

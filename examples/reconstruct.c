@@ -62,7 +62,7 @@ int main(int argc, char **argv) {
         fprintf(stderr, "usage: reconstruct CAPTURE FILE.ply\n");
         return 2;
     }
-    FfpCapture *folder = ffp_capture_open(NULL, argv[1], &err);
+    FfpCapture *folder = ffp_capture_open(NULL, argv[1], NULL, &err);
     FfpCapture *capture = folder ? from_memory(folder, &err) : NULL;
     ffp_capture_close(folder);
     FfpModel *model = capture ? ffp_model_open(NULL, NULL, &err) : NULL;

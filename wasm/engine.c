@@ -95,7 +95,7 @@ EMSCRIPTEN_KEEPALIVE const char *engine_open(const char *path) {
     ffp_gaussians_close(gaussians);
     gaussians = NULL;
     ffp_capture_close(capture);
-    capture = ffp_capture_open(context, path, &err);
+    capture = ffp_capture_open(context, path, NULL, &err);
     ffp_free(description);
     description = capture ? ffp_info(context, path, &err) : NULL;
     return description ? description : failed(&err);

@@ -12,26 +12,35 @@ extern "C" {
 
 typedef struct FfpCapture FfpCapture;
 
+// Which photographs are read.
+typedef enum FfpRead {
+    FFP_READ_ALL,
+    // Those that ffp_reconstruct uses with `patterns`, and no ground truth. All are read if the file lacks
+    // the object's sphere, the photographs have neither alpha nor masks, or it is a whole scene.
+    FFP_READ_WANTED,
+    // None: a capture of many megapixels then takes hardly any memory. It is enough for rendering, maps,
+    // exporting, the page and compensation, which read the few photographs that they need; reconstructing,
+    // fitting, aligning and saving refuse it (FFP_ERROR_ARGUMENT). All are read if the file lacks the
+    // projector's intensity or a pattern's picture, or, with `sphere`, the object's sphere.
+    FFP_READ_NONE,
+} FfpRead;
+typedef struct FfpOpening {
+    size_t size; // of this struct, by the default's function
+    FfpRead photographs;
+    const char *const *patterns; // of FFP_READ_WANTED, as in FfpReconstruction
+    int n_patterns;              // 0: the first
+    bool sphere; // of FFP_READ_NONE: an orbit, a mesh, the page and compensation need the sphere
+} FfpOpening;
+FFP_DEFAULTS(FfpOpening, ffp_opening_defaults) // all photographs
 // Reads a folder with scene.json or render_poses.json, or such a file, and checks all of its contents.
-FFP_API FfpCapture *ffp_capture_open(FfpContext *context, const char *path, FfpError *err);
+// options NULL: the defaults.
+FFP_API FfpCapture *ffp_capture_open(FfpContext *context, const char *path, const FfpOpening *options,
+                                     FfpError *err);
 // Looks for what is wrong with a capture, and returns what it found (release with ffp_free), *count findings,
 // those that are ok among them, as `info` lists them, and those for which a reconstruction would be refused.
 // NULL on failure.
 FFP_API FfpFinding *ffp_capture_check(FfpContext *context, const FfpCapture *capture, int *count,
                                       FfpError *err);
-// As ffp_capture_open, for a reconstruction alone, without the photographs that ffp_reconstruct does not use
-// with these patterns, as its settings have them (`n_patterns` 0: the first), and without ground truth. All
-// are read if the file lacks the object's sphere, the photographs have neither alpha nor masks, or it is a
-// whole scene.
-FFP_API FfpCapture *ffp_capture_open_wanted(FfpContext *context, const char *path,
-                                            const char *const *patterns, int n_patterns, FfpError *err);
-// The same with the photographs left in their files: a capture of many megapixels then takes hardly any
-// memory. It is enough for rendering, maps, exporting, the page and compensation, which read the few
-// photographs that they need; reconstructing, fitting, aligning and saving refuse it (FFP_ERROR_ARGUMENT).
-// All photographs are read if the file lacks the projector's intensity or a pattern's picture, or, with
-// `sphere`, the object's sphere, which an orbit, a mesh, the page and compensation need.
-FFP_API FfpCapture *ffp_capture_open_devices(FfpContext *context, const char *path, bool sphere,
-                                             FfpError *err);
 FFP_API void ffp_capture_close(FfpCapture *capture);
 
 // A picture in the caller's memory, which the library only reads. No pointer to it is kept after the call.

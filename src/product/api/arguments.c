@@ -36,7 +36,7 @@ bool ffp_need_photographs(const FfpCapture *capture, FfpError *err) {
     if (!ffp_need(capture, "capture", err)) return false;
     return (capture->n_views > 0 && capture->views[0].coverage.data) ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "capture",
-                    "its photographs were left in their files (ffp_capture_open_devices): open all of it");
+                    "its photographs were left in their files (FFP_READ_NONE): open all of it");
 }
 
 bool ffp_need_texts(const char *const *texts, int n, const char *name, FfpError *err) {

@@ -13,7 +13,7 @@ void ffp_give_defaults(void *options, size_t size, const void *defaults, size_t 
 // Copies a caller's options to `own`, which has the defaults: they stay where the caller's struct, named
 // `name`, is that of an earlier version. Errors: NULL; no size; that of a later version.
 bool ffp_take_options(void *own, const void *options, const char *name, FfpError *err);
-// A capture with its photographs in memory: not NULL, and not from ffp_capture_open_devices.
+// A capture with its photographs in memory: not NULL, and not opened with FFP_READ_NONE.
 bool ffp_need_photographs(const FfpCapture *capture, FfpError *err);
 // Gaussians, all of whose numbers are finite, with scales above 0 and rotations other than 0: their arrays
 // may be written to from outside.

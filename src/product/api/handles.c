@@ -14,41 +14,42 @@ const char *ffp_version(void) {
     return FFP_VERSION;
 }
 
+void ffp_opening_defaults_into(FfpOpening *options, size_t size) {
+    ffp_give_defaults(options, size, &(FfpOpening){0}, sizeof(FfpOpening));
+}
+
 typedef struct OpenCapture {
     const char *path;
-    bool devices; // photographs stay in their files
-    bool sphere;
-    bool wanted; // the photographs under these patterns
-    const char *const *patterns;
-    int n_patterns;
+    const FfpOpening *options;
     FfpCapture *capture;
 } OpenCapture;
 
 static bool open_capture(void *argument, FfpError *err) {
     OpenCapture *call = argument;
-    call->capture = call->devices ? ffp_capture_load_devices(call->path, call->sphere, err)
-                    : call->wanted
-                        ? ffp_capture_load_wanted(call->path, call->patterns, call->n_patterns, err)
-                        : ffp_capture_load(call->path, err);
+    const FfpOpening *o = call->options;
+    switch (o->photographs) {
+    case FFP_READ_ALL:
+        call->capture = ffp_capture_load(call->path, err);
+        break;
+    case FFP_READ_WANTED:
+        call->capture = ffp_capture_load_wanted(call->path, o->patterns, o->n_patterns, err);
+        break;
+    case FFP_READ_NONE:
+        call->capture = ffp_capture_load_devices(call->path, o->sphere, err);
+        break;
+    default:
+        ffp_fail(err, FFP_ERROR_ARGUMENT, "photographs", "%d: no such choice", (int)o->photographs);
+    }
     return call->capture != NULL;
 }
 
-FfpCapture *ffp_capture_open(FfpContext *context, const char *path, FfpError *err) {
-    OpenCapture call = {.path = path};
-    if (!ffp_need(path, "path", err)) return NULL;
-    return ffp_call_run(context, open_capture, &call, err) ? call.capture : NULL;
-}
-
-FfpCapture *ffp_capture_open_wanted(FfpContext *context, const char *path, const char *const *patterns,
-                                    int n_patterns, FfpError *err) {
-    OpenCapture call = {.path = path, .wanted = true, .patterns = patterns, .n_patterns = n_patterns};
-    if (!ffp_need(path, "path", err) || !ffp_need_texts(patterns, n_patterns, "patterns", err)) return NULL;
-    return ffp_call_run(context, open_capture, &call, err) ? call.capture : NULL;
-}
-
-FfpCapture *ffp_capture_open_devices(FfpContext *context, const char *path, bool sphere, FfpError *err) {
-    OpenCapture call = {.path = path, .devices = true, .sphere = sphere};
-    if (!ffp_need(path, "path", err)) return NULL;
+FfpCapture *ffp_capture_open(FfpContext *context, const char *path, const FfpOpening *options,
+                             FfpError *err) {
+    FfpOpening own = ffp_opening_defaults();
+    OpenCapture call = {.path = path, .options = &own};
+    if (!ffp_need(path, "path", err) || (options && !ffp_take_options(&own, options, "FfpOpening", err)) ||
+        !ffp_need_texts(own.patterns, own.n_patterns, "patterns", err))
+        return NULL;
     return ffp_call_run(context, open_capture, &call, err) ? call.capture : NULL;
 }
 

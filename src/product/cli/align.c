@@ -43,7 +43,7 @@ static int run(void *data) {
     FfpError err = {0};
     FfpAlignmentStats stats;
     FfpCapture *capture = ffp_can_save_capture(arguments->output, &err)
-                              ? ffp_capture_open(ffp_cli_context(), arguments->capture, &err)
+                              ? ffp_capture_open(ffp_cli_context(), arguments->capture, NULL, &err)
                               : NULL;
     FfpGaussians *known = capture && arguments->gaussians
                               ? ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err)

@@ -117,6 +117,8 @@ extern const FfpWord ffp_cli_framings[], ffp_cli_up[], ffp_cli_auto[], ffp_cli_l
                      "contain shows all of the picture with black beside it, stretch distorts it, pixel "    \
                      "shows it pixel for pixel"                                                              \
     }
+// A capture whose photographs are left in their files; NULL: an error.
+FfpCapture *ffp_cli_open_devices(const char *path, bool sphere, FfpError *err);
 // By --up (int: 0, or 1 + FfpUp), or otherwise as the capture shows; see ffp_gaussians_turn.
 bool ffp_cli_turn(FfpGaussians *gaussians, const char *path, const FfpCapture *capture, int up,
                   FfpError *err);

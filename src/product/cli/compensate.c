@@ -41,8 +41,7 @@ static int run(void *data) {
         return ffp_cli_usage("compensate", "%d targets for %d views: give one for all views, or one for each",
                              how->n_targets, how->n_views);
     FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
-    FfpCapture *capture =
-        gaussians ? ffp_capture_open_devices(ffp_cli_context(), arguments->capture, true, &err) : NULL;
+    FfpCapture *capture = gaussians ? ffp_cli_open_devices(arguments->capture, true, &err) : NULL;
     if (capture && ffp_cli_turn(gaussians, arguments->gaussians, capture, arguments->up, &err))
         ok = ffp_compensate(ffp_cli_context(), gaussians, capture, how, &stats, &err);
     if (ok) tell(how, &stats);

@@ -14,9 +14,7 @@ static int run(void *data) {
     FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
     const bool with = arguments->capture != NULL;
     const bool sphere = arguments->how.mesh; // that the mesh lies in
-    FfpCapture *capture = gaussians && with
-                              ? ffp_capture_open_devices(ffp_cli_context(), arguments->capture, sphere, &err)
-                              : NULL;
+    FfpCapture *capture = gaussians && with ? ffp_cli_open_devices(arguments->capture, sphere, &err) : NULL;
     if (gaussians && (capture || !with))
         ok = ffp_export(ffp_cli_context(), gaussians, capture, &arguments->how, &stats, &err);
     if (ok)

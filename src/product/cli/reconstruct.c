@@ -28,10 +28,11 @@ static int run(void *data) {
     FfpModel *model = NULL;
     const bool none = arguments->model && strcmp(arguments->model, "none") == 0;
     bool ok = ffp_can_write(arguments->output, &err) && ffp_cli_use_device(arguments->device, &err);
-    FfpCapture *capture =
-        ok ? ffp_capture_open_wanted(ffp_cli_context(), arguments->capture, arguments->patterns.values,
-                                     arguments->patterns.count, &err)
-           : NULL;
+    FfpOpening opening = ffp_opening_defaults();
+    opening.photographs = FFP_READ_WANTED;
+    opening.patterns = arguments->patterns.values;
+    opening.n_patterns = arguments->patterns.count;
+    FfpCapture *capture = ok ? ffp_capture_open(ffp_cli_context(), arguments->capture, &opening, &err) : NULL;
     ok = capture && (none || (model = ffp_model_open(ffp_cli_context(), arguments->model, &err)));
     if (ok) {
         arguments->how.model = model;

@@ -99,7 +99,7 @@ static int run(void *data) {
     arguments->refinement.patterns = arguments->patterns.values;
     arguments->refinement.n_patterns = arguments->patterns.count;
     FfpCapture *capture = ffp_can_write(arguments->output, &err)
-                              ? ffp_capture_open(ffp_cli_context(), arguments->capture, &err)
+                              ? ffp_capture_open(ffp_cli_context(), arguments->capture, NULL, &err)
                               : NULL;
     const bool ok = capture && (arguments->scratch == FROM_FIELD ? run_field(arguments, capture, &err)
                                                                  : run_gaussians(arguments, capture, &err));

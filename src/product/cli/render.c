@@ -36,9 +36,7 @@ static int run(void *data) {
     FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
     const bool with = arguments->capture != NULL;
     const bool sphere = pictures->orbit != FFP_ORBIT_NONE; // that the orbit leads around
-    FfpCapture *capture = gaussians && with
-                              ? ffp_capture_open_devices(ffp_cli_context(), arguments->capture, sphere, &err)
-                              : NULL;
+    FfpCapture *capture = gaussians && with ? ffp_cli_open_devices(arguments->capture, sphere, &err) : NULL;
     const bool turned =
         capture && ffp_cli_turn(gaussians, arguments->gaussians, capture, arguments->up, &err);
     if (gaussians && (turned || !with))

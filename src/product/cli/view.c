@@ -13,8 +13,7 @@ static int run(void *data) {
     FfpPageStats stats;
     bool ok = false;
     FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
-    FfpCapture *capture =
-        gaussians ? ffp_capture_open_devices(ffp_cli_context(), arguments->capture, true, &err) : NULL;
+    FfpCapture *capture = gaussians ? ffp_cli_open_devices(arguments->capture, true, &err) : NULL;
     if (capture && ffp_cli_turn(gaussians, arguments->gaussians, capture, arguments->up, &err))
         ok = ffp_write_page(ffp_cli_context(), gaussians, capture, &arguments->page, &stats, &err);
     if (ok)

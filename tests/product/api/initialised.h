@@ -10,7 +10,7 @@ static FfpGaussians *gaussians;
 static int setup(void **state) {
     FfpError err = {0};
     if (small_setup(state) != 0) return -1;
-    capture = ffp_capture_open(NULL, in_scratch("capture"), &err);
+    capture = ffp_capture_open(NULL, in_scratch("capture"), NULL, &err);
     const FfpReconstruction how = {.size = sizeof how};
     gaussians = capture ? ffp_reconstruct(NULL, capture, &how, NULL, &err) : NULL;
     if (!gaussians) fprintf(stderr, "%s\n", err.text);

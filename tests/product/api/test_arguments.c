@@ -17,7 +17,7 @@ static void refused(bool right, const char *name) {
 static void handles_are_asked_for(void **state) {
     (void)state;
     refused(!ffp_context_new(NULL, &err), "settings");
-    refused(!ffp_capture_open(NULL, NULL, &err), "path");
+    refused(!ffp_capture_open(NULL, NULL, NULL, &err), "path");
     refused(!ffp_capture_from_memory(NULL, NULL, &err), "data");
     refused(!ffp_capture_from_memory(NULL, &(FfpCaptureData){.n_patterns = 2, .n_views = 1}, &err),
             "patterns");
@@ -57,15 +57,21 @@ static void fits_are_told_what_to_fit(void **state) {
     refused(!ffp_align_poses(NULL, NULL, &aligning, NULL, &err), "capture");
     refused(!ffp_align_poses(NULL, capture, NULL, NULL, &err), "options");
     // A capture whose photographs were left in their files.
-    FfpCapture *devices = ffp_capture_open_devices(NULL, FFP_SOURCE_DIR "/data/sample", false, &err);
+    FfpOpening opening = ffp_opening_defaults();
+    opening.photographs = FFP_READ_NONE;
+    FfpCapture *devices = ffp_capture_open(NULL, FFP_SOURCE_DIR "/data/sample", &opening, &err);
     const FfpReconstruction plain = ffp_reconstruction_defaults();
     assert_non_null(devices);
-    refused(!ffp_reconstruct(NULL, devices, &plain, NULL, &err), "ffp_capture_open_devices");
-    refused(!ffp_refine_gaussians(NULL, gaussians, devices, &fine, NULL, &err), "ffp_capture_open_devices");
-    refused(!ffp_fit_from_scratch(NULL, devices, NULL, &fine, NULL, &err), "ffp_capture_open_devices");
-    refused(!ffp_align_poses(NULL, devices, &aligning, NULL, &err), "ffp_capture_open_devices");
-    refused(!ffp_capture_save(NULL, devices, "folder", &err), "ffp_capture_open_devices");
+    refused(!ffp_reconstruct(NULL, devices, &plain, NULL, &err), "FFP_READ_NONE");
+    refused(!ffp_refine_gaussians(NULL, gaussians, devices, &fine, NULL, &err), "FFP_READ_NONE");
+    refused(!ffp_fit_from_scratch(NULL, devices, NULL, &fine, NULL, &err), "FFP_READ_NONE");
+    refused(!ffp_align_poses(NULL, devices, &aligning, NULL, &err), "FFP_READ_NONE");
+    refused(!ffp_capture_save(NULL, devices, "folder", &err), "FFP_READ_NONE");
     ffp_capture_close(devices);
+    opening.photographs = 7;
+    refused(!ffp_capture_open(NULL, FFP_SOURCE_DIR "/data/sample", &opening, &err), "photographs");
+    opening.size = 0;
+    refused(!ffp_capture_open(NULL, FFP_SOURCE_DIR "/data/sample", &opening, &err), "FfpOpening");
 }
 
 static void pictures_are_told_where_to_go(void **state) {

@@ -43,7 +43,7 @@ static bool work(Caller *c) {
     FfpContext *context = ffp_context_new(&settings, &c->err);
     char folder[FFP_PATH_MAX];
     snprintf(folder, sizeof folder, "%s/capture", scratch);
-    FfpCapture *capture = ffp_capture_open(context, folder, &c->err);
+    FfpCapture *capture = ffp_capture_open(context, folder, NULL, &c->err);
     FfpModel *model = c->weights ? ffp_model_open(context, c->weights, &c->err) : NULL;
     const FfpReconstruction how = {
         .size = sizeof how, .model = model, .polish = 6, .noise = FFP_NOISE_ESTIMATED};
@@ -152,7 +152,7 @@ static void threads_share_what_they_read(void **state) {
     char path[FFP_PATH_MAX];
     FfpError err = {0};
     snprintf(path, sizeof path, "%s/capture", scratch);
-    FfpCapture *capture = ffp_capture_open(NULL, path, &err);
+    FfpCapture *capture = ffp_capture_open(NULL, path, NULL, &err);
     snprintf(path, sizeof path, "%s/weights", scratch);
     FfpModel *model = ffp_model_open(NULL, path, &err);
     assert_true(capture && model);

@@ -12,7 +12,7 @@ static char last[64], logged[512];
 
 static int setup(void **state) {
     (void)state;
-    capture = ffp_capture_open(NULL, FFP_SOURCE_DIR "/data/sample", NULL);
+    capture = ffp_capture_open(NULL, FFP_SOURCE_DIR "/data/sample", NULL, NULL);
     return capture == NULL;
 }
 

@@ -22,7 +22,7 @@ static void left_while_points_are_drawn(void **state) {
     FfpContextSettings settings = ffp_context_defaults();
     settings.user = &caller, settings.progress = stop_at_the_points;
     FfpContext *context = ffp_context_new(&settings, &err);
-    FfpCapture *capture = ffp_capture_open(NULL, in_scratch("capture"), &err);
+    FfpCapture *capture = ffp_capture_open(NULL, in_scratch("capture"), NULL, &err);
     assert_non_null(context);
     assert_non_null(capture);
     const FfpRefinement how = {.size = sizeof how, .steps = 1};

@@ -104,7 +104,7 @@ static void assert_same(FfpGaussians *a, FfpGaussians *b) {
 static void test_memory_and_files_give_the_same_gaussians(void **state) {
     (void)state;
     FfpError err = {0};
-    FfpCapture *files = ffp_capture_open(NULL, SAMPLE, &err);
+    FfpCapture *files = ffp_capture_open(NULL, SAMPLE, NULL, &err);
     assert_non_null(files);
     Rebuilt r;
     rebuild(&r, files);
@@ -139,7 +139,7 @@ static void expect_no_gaussians(const FfpCapture *capture, const char *const *na
 static void test_patterns_that_are_not_everywhere(void **state) {
     (void)state;
     FfpError err = {0};
-    FfpCapture *files = ffp_capture_open(NULL, SAMPLE, &err);
+    FfpCapture *files = ffp_capture_open(NULL, SAMPLE, NULL, &err);
     assert_non_null(files);
     Rebuilt r;
     rebuild(&r, files);
@@ -218,7 +218,7 @@ static void test_bytes_are_read_as_a_png_is(void **state) {
 static void test_drawing_into_memory_is_what_files_hold(void **state) {
     (void)state;
     FfpError err = {0};
-    FfpCapture *capture = ffp_capture_open(NULL, SAMPLE, &err);
+    FfpCapture *capture = ffp_capture_open(NULL, SAMPLE, NULL, &err);
     assert_non_null(capture);
     FfpGaussians *gaussians = start_of(capture);
     const char *view = ffp_capture_view_id(capture, 1), *pattern = "lollipop_0";
@@ -292,7 +292,7 @@ static void test_large_files_are_drawn_in_strips(void **state) {
     (void)state;
     enum { SIDE = 1600 };
     FfpError err = {0};
-    FfpCapture *capture = ffp_capture_open(NULL, SAMPLE, &err);
+    FfpCapture *capture = ffp_capture_open(NULL, SAMPLE, NULL, &err);
     assert_non_null(capture);
     FfpGaussians *gaussians = start_of(capture);
     const char *view = ffp_capture_view_id(capture, 0);
@@ -346,7 +346,7 @@ static void refuse(Rebuilt *r, const char *text) {
 static void test_wrong_data_is_refused_by_name(void **state) {
     (void)state;
     FfpError err = {0};
-    FfpCapture *files = ffp_capture_open(NULL, SAMPLE, &err);
+    FfpCapture *files = ffp_capture_open(NULL, SAMPLE, NULL, &err);
     assert_non_null(files);
     Rebuilt whole, r;
     rebuild(&whole, files);
@@ -407,7 +407,7 @@ static void test_patterns_have_their_roles(void **state) {
     (void)state;
     FfpError err = {0};
     Rebuilt r;
-    FfpCapture *from = ffp_capture_open(NULL, SAMPLE, &err);
+    FfpCapture *from = ffp_capture_open(NULL, SAMPLE, NULL, &err);
     assert_non_null(from);
     rebuild(&r, from);
     const int held_out = r.data.n_patterns - 1;

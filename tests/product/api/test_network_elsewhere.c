@@ -135,7 +135,7 @@ static void test_losses_of_pictures(void **state) {
 
 static int setup(void **state) {
     if (small_setup(state) != 0) return -1;
-    capture = ffp_capture_open(NULL, in_scratch("capture"), &err);
+    capture = ffp_capture_open(NULL, in_scratch("capture"), NULL, &err);
     model = ffp_model_open(NULL, in_scratch("weights"), &err);
     if (!capture || !model) fprintf(stderr, "%s\n", err.text);
     return capture && model ? 0 : -1;

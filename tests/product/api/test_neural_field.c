@@ -14,7 +14,7 @@ static FfpCapture *capture;
 static int setup(void **state) {
     FfpError err = {0};
     if (small_setup(state) != 0) return -1;
-    capture = ffp_capture_open(NULL, in_scratch("capture"), &err);
+    capture = ffp_capture_open(NULL, in_scratch("capture"), NULL, &err);
     return capture ? 0 : -1;
 }
 

@@ -43,7 +43,7 @@ static void assert_same(const FfpGaussians *a, const FfpGaussians *b) {
 static void test_a_network_that_loses_is_dropped(void **state) {
     (void)state;
     FfpError err = {0};
-    FfpCapture *capture = ffp_capture_open(NULL, scratch, &err);
+    FfpCapture *capture = ffp_capture_open(NULL, scratch, NULL, &err);
     assert_non_null(capture);
     FfpModel *spoilt = spoilt_model();
     FfpReconstructionStats stats;
@@ -71,7 +71,7 @@ static void test_a_network_that_loses_is_dropped(void **state) {
 static void test_a_fit_begins_before_looks(void **state) {
     (void)state;
     FfpError err = {0};
-    FfpCapture *capture = ffp_capture_open(NULL, scratch, &err);
+    FfpCapture *capture = ffp_capture_open(NULL, scratch, NULL, &err);
     assert_non_null(capture);
     FfpModelConfig config;
     assert_true(ffp_model_preset(&config, "tiny"));
@@ -104,7 +104,7 @@ static void test_a_fit_begins_before_looks(void **state) {
 static void test_views_given_twice_change_nothing(void **state) {
     (void)state;
     FfpError err = {0};
-    FfpCapture *once = ffp_capture_open(NULL, scratch, &err);
+    FfpCapture *once = ffp_capture_open(NULL, scratch, NULL, &err);
     assert_non_null(once);
     FfpCapture twice = *once;
     const size_t n = (size_t)once->n_views;

@@ -35,7 +35,7 @@ static FfpContext *context_new(Caller *caller, int threads) {
 typedef bool Work(FfpContext *context, const char *out, FfpError *err);
 
 static bool reconstruct(FfpContext *context, const char *weights, const char *out, FfpError *err) {
-    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), NULL, err);
     FfpModel *model = capture && weights ? ffp_model_open(context, weights, err) : NULL;
     const FfpReconstruction how = {
         .size = sizeof how, .model = model, .polish = POLISH, .noise = FFP_NOISE_ESTIMATED};
@@ -57,7 +57,7 @@ static bool by_network(FfpContext *context, const char *out, FfpError *err) {
 }
 
 static bool prepare(FfpContext *context, const char *out, FfpError *err) {
-    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), NULL, err);
     FfpModel *model = capture ? ffp_model_open(context, in_scratch("weights"), err) : NULL;
     const FfpReconstruction how = {.size = sizeof how, .model = model};
     FfpPrepared *prepared = model ? ffp_prepare(context, capture, &how, err) : NULL;
@@ -75,7 +75,7 @@ static FfpGaussians *given(FfpContext *context, FfpError *err) {
 }
 
 static bool refine(FfpContext *context, const char *out, FfpError *err) {
-    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), NULL, err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
     const FfpRefinement how = {.size = sizeof how, .steps = 3, .metrics = in_scratch("metrics")};
     const bool ok = gaussians && ffp_refine_gaussians(context, gaussians, capture, &how, NULL, err) &&
@@ -86,7 +86,7 @@ static bool refine(FfpContext *context, const char *out, FfpError *err) {
 }
 
 static bool render(FfpContext *context, const char *out, FfpError *err) {
-    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), NULL, err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
     const FfpPictures how = {.size = sizeof how,
                              .orbit = FFP_ORBIT_OBJECT,
@@ -104,7 +104,7 @@ static bool render(FfpContext *context, const char *out, FfpError *err) {
 static FfpRenderer *renderer;
 
 static bool draw(FfpContext *context, const char *out, FfpError *err) {
-    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), NULL, err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
     bool ok = gaussians && (renderer || (renderer = ffp_renderer_new(context, (FfpDrawing){0}, err)));
     for (int side = 12; ok && side <= 16; side += 4) { // what is kept does not fit
@@ -126,7 +126,7 @@ static bool draw(FfpContext *context, const char *out, FfpError *err) {
 
 // Two views, and the gradients of one number.
 static bool differentiate(FfpContext *context, const char *out, FfpError *err) {
-    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), NULL, err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
     bool ok = gaussians && (renderer || (renderer = ffp_renderer_new(context, (FfpDrawing){0}, err)));
     enum { NUMBERS = 2 * 2 * 3 * SMALL_SIDE * SMALL_SIDE };
@@ -156,7 +156,7 @@ static bool differentiate(FfpContext *context, const char *out, FfpError *err) {
 }
 
 static bool compensate(FfpContext *context, const char *out, FfpError *err) {
-    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), NULL, err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
     const char *id = capture ? ffp_capture_view_id(capture, 0) : NULL, *target = in_scratch("target.png");
     const FfpCompensation how = {.size = sizeof how,
@@ -174,7 +174,7 @@ static bool compensate(FfpContext *context, const char *out, FfpError *err) {
 }
 
 static bool map(FfpContext *context, const char *out, FfpError *err) {
-    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), NULL, err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
     const char *id = capture ? ffp_capture_view_id(capture, 0) : NULL;
     const FfpMaps how = {.size = sizeof how, .views = &id, .n_views = 1, .folder = in_scratch("maps")};
@@ -186,7 +186,7 @@ static bool map(FfpContext *context, const char *out, FfpError *err) {
 }
 
 static bool page(FfpContext *context, const char *out, FfpError *err) {
-    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), NULL, err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
     const FfpPage how = {
         .size = sizeof how, .file = out, .poses = in_scratch("capture/scene.json"), .photographs = 8};
@@ -216,7 +216,7 @@ static bool export_to(FfpContext *context, const char *name, FfpExport how, cons
     snprintf(file, sizeof file, "%s/%s", scratch, name);
     snprintf(to, sizeof to, "%s", out);
     how.file = file;
-    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), NULL, err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
     char *bytes = NULL;
     size_t size;
@@ -266,7 +266,7 @@ static bool inform_as_a_page(FfpContext *context, const char *out, FfpError *err
 static bool copy_capture(FfpContext *context, const char *out, FfpError *err) {
     char command[FFP_PATH_MAX + 16];
     const char *copy = in_scratch("copy");
-    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), NULL, err);
     const bool ok =
         capture && ffp_capture_save(context, capture, copy, err) && ffp_write_file(out, "saved", 5, err);
     ffp_capture_close(capture);
@@ -276,7 +276,7 @@ static bool copy_capture(FfpContext *context, const char *out, FfpError *err) {
 }
 
 static bool align(FfpContext *context, const char *out, FfpError *err) {
-    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), NULL, err);
     const bool ok =
         capture &&
         ffp_align_poses(context, capture, &(FfpAlignment){.size = sizeof(FfpAlignment)}, NULL, err) &&

@@ -16,7 +16,7 @@ static int setup(void **state) {
     (void)state;
     FfpError err = {0};
     const FfpReconstruction how = {.size = sizeof how};
-    capture = ffp_capture_open(NULL, SAMPLE, &err);
+    capture = ffp_capture_open(NULL, SAMPLE, NULL, &err);
     gaussians = capture ? ffp_reconstruct(NULL, capture, &how, NULL, &err) : NULL;
     return gaussians ? 0 : -1;
 }

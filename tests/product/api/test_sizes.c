@@ -17,7 +17,7 @@
 
 static FfpCapture *open_sample(void) {
     FfpError err = {0};
-    FfpCapture *capture = ffp_capture_open(NULL, SAMPLE, &err);
+    FfpCapture *capture = ffp_capture_open(NULL, SAMPLE, NULL, &err);
     if (!capture) fail_msg("%s", err.text);
     return capture;
 }
