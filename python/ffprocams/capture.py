@@ -115,7 +115,8 @@ class Capture(Handle):
         with Call() as call:
             return cls(
                 call.take(
-                    lib.ffp_capture_open(call.context, keep.path(path), ffi.NULL, call.error), lib.ffp_capture_close
+                    lib.ffp_capture_open(call.context, keep.path(path), ffi.NULL, call.error),
+                    lib.ffp_capture_close,
                 )
             )
 

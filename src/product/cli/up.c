@@ -1,5 +1,5 @@
-// What Gaussians are drawn with: a capture's devices, and the world that splats of other programs are turned
-// into.
+// The capture and the splats of commands that draw: devices alone, and splats of other programs turned into
+// the capture's world.
 #include "cli.h"
 
 const FfpWord ffp_cli_up[] = {{"z", 1 + FFP_UP_Z}, {"y", 1 + FFP_UP_Y}, {"-y", 1 + FFP_UP_MINUS_Y}, {0}};
