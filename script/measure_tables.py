@@ -35,7 +35,7 @@ def program(figures, parts, timed=False, level=True):
     by = {}
     for part, label in parts.items():
         of = figures[part]
-        name = of["program"] + (f" ({of['commit']})" if of["commit"] else "")
+        name = of["program"] + (f", {of['commit']}" if of["commit"] else "")
         if timed:
             name += f", {NUMBERS.get(of['threads'], of['threads'])} {of['machine']} core{'s' * (of['threads'] > 1)}" + f", `{of['level']}`" * level
         by.setdefault(name, []).append(label)

@@ -175,7 +175,8 @@ typedef struct FfpCompensation {
     bool for_device;
     FfpDrawing drawing;
     // The share of its white that a dark projector still gives, in [0, 0.1]: where projectors overlap, that
-    // adds up, and the dark beside is lifted to it. 0: projectors that are dark give nothing.
+    // adds up, and the dark beside is lifted to it. It comes on top of what photographs under black show.
+    // 0: projectors that are dark give nothing.
     double black_level;
 } FfpCompensation;
 

@@ -6,14 +6,13 @@
 #include "engine/apply/solve.h"
 
 // A camera's request at each of its pixels: level times certainty in three channels, and the certainty.
-// Levels are cut where the projectors' shares of full light end, so that one impossible wish does not spoil
-// its neighbours, and none is brighter where several overlap.
+// Levels are cut at what full feather could show, so that one impossible wish does not spoil its neighbours.
 static FfpImage levels(const FfpProCams *procams, int s) {
     const FfpCameraView *camera_view = &procams->camera_views[s];
     const int width = camera_view->weight.width, height = camera_view->weight.height;
     FfpImage out = ffp_image_new(width, height, 4), lit = ffp_procams_lit(procams, s);
     for (int p = 0; p < width * height; p++) {
-        real sum[3] = {0, 0, 0}, feathers = 0;
+        real sum[3] = {0, 0, 0}, greatest = 0;
         const real certainty = lit.data[p] * camera_view->weight.data[p] * camera_view->facing.data[p];
         if (!(certainty > 0)) continue;
         for (int k = 0; k < procams->n_projections; k++) {
@@ -22,13 +21,13 @@ static FfpImage levels(const FfpProCams *procams, int s) {
             ffp_image_sample(&procams->projections[k].feather, link->mapping.uv[2 * p],
                              link->mapping.uv[2 * p + 1], &feather);
             for (int c = 0; c < 3; c++) sum[c] += feather * link->response.data[3 * p + c];
-            if (link->mapping.visibility[p] > 0) feathers += feather;
+            if (link->mapping.visibility[p] > 0) greatest = fmax(greatest, feather);
         }
-        if (!(feathers > 0)) continue;
+        if (!(greatest > 0)) continue;
         for (int c = 0; c < 3; c++) {
             const real wanted = camera_view->target.data[3 * p + c] - camera_view->ambient.data[3 * p + c];
-            const real level = sum[c] > 0 ? wanted / sum[c] : wanted > 0 ? 1 / feathers : 0;
-            out.data[4 * p + c] = certainty * fmin(fmax(level, (real)0), 1 / feathers);
+            const real level = sum[c] > 0 ? wanted / sum[c] : wanted > 0 ? 1 / greatest : 0;
+            out.data[4 * p + c] = certainty * fmin(fmax(level, (real)0), 1 / greatest);
         }
         out.data[4 * p + 3] = certainty;
     }

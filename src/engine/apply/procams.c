@@ -314,7 +314,7 @@ static void shared_white(const FfpProCams *procams, int s, ptrdiff_t p, real out
 
 // Every target becomes its floor and (paint) that share of the way up, or (otherwise) at least its floor.
 static void raise_targets(FfpProCams *procams, bool paint) {
-    const real floor = procams->black * (real)most_at_once(procams);
+    const real least = fmin(procams->black * (real)most_at_once(procams), (real)1);
     for (int s = 0; s < procams->n_camera_views; s++) {
         FfpCameraView *camera_view = &procams->camera_views[s];
         for (ptrdiff_t p = 0; p < (ptrdiff_t)camera_view->target.width * camera_view->target.height; p++) {
@@ -326,9 +326,9 @@ static void raise_targets(FfpProCams *procams, bool paint) {
                 for (int k = 0; k < procams->n_projections; k++)
                     dark -= procams->black / (1 - procams->black) *
                             ffp_procams_link(procams, s, k)->response.data[3 * p + c];
-                dark += floor * white[c];
+                dark += least * white[c];
                 *target =
-                    paint ? dark + (1 - floor) * white[c] * fmin(*target, (real)1) : fmax(*target, dark);
+                    paint ? dark + (1 - least) * white[c] * fmin(*target, (real)1) : fmax(*target, dark);
             }
         }
     }

@@ -98,7 +98,10 @@ static void flow(const FfpCamera *device, const double world[3], double distance
         ffp_cross(q, axis, by[k]);
         for (int i = 0; i < 3; i++) by[3 + k][i] = i == k ? -distance : 0;
     }
+    const bool before = q[2] > 1e-6 * distance; // what lies beside or behind the device has no image
     for (int k = 0; k < 6; k++) {
+        out[0][k] = out[1][k] = 0;
+        if (!before) continue;
         out[0][k] = (double)device->fx * (by[k][0] - q[0] / q[2] * by[k][2]) / q[2];
         out[1][k] = (double)device->fy * (by[k][1] - q[1] / q[2] * by[k][2]) / q[2];
     }
@@ -107,7 +110,7 @@ static void flow(const FfpCamera *device, const double world[3], double distance
 // The picture's slope along x (0) or y (1) of the pattern, per pixel of it.
 static void light_slope(const Fit *fit, int p, int axis, FfpImage *spare, FfpImage *out) {
     const FfpCamera *projector = &fit->view.projector;
-    const real step = fmaxf(1, (real)(PROBE * (double)projector->width / fit->view.camera.width));
+    const real step = fmax((real)1, (real)(PROBE * (double)projector->width / fit->view.camera.width));
     const real x = axis ? 0 : step, y = axis ? step : 0;
     ffp_view_pass_shift(fit->pass, x, y);
     ffp_view_pass_shade(fit->pass, fit->capture->intensity, &fit->light[p], out);

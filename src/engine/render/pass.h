@@ -44,10 +44,6 @@ void ffp_view_pass_resolve(FfpViewPass *pass, const FfpImage *linear, FfpImage *
 // of it, until the next draw. On the CPU alone.
 void ffp_view_pass_shift(FfpViewPass *pass, real x, real y);
 
-// Moves the places of the pattern from which the samples of the view drawn last have their light, by pixels
-// of it, until the next draw. On the CPU alone.
-void ffp_view_pass_shift(FfpViewPass *pass, real x, real y);
-
 // Gradient of the loss with respect to ffp_view_pass_gbuffer, zero after each draw: terms that look at
 // G-buffers add theirs.
 FfpGbuffer *ffp_view_pass_grad_gbuffer(FfpViewPass *pass);

@@ -97,6 +97,8 @@ static bool decode_view(FfpImporting *import, int stop, FfpError *err) {
     if (missing > 0)
         ffp_fail_by(FFP_RULE_CODES_MISSING, &(FfpFacts){.x = n - missing, .y = n, .a = error.text}, NULL,
                     err);
+    if (err && missing > 0)
+        err->code = error.code;
     else if (err)
         *err = error;
     if (import->settings->linear_images || error.code != FFP_ERROR_FILE || stop > 0) return false;

@@ -6,7 +6,6 @@
 #include "core/capture/reduce.h"
 #include "core/capture/small.h"
 #include "core/numerics/rank.h"
-#include "rig/checks/measure.h"
 #include "rig/turntable/cloud.h"
 #include "rig/turntable/outline.h"
 #include "rig/turntable/scan.h"
@@ -18,9 +17,11 @@
 #define OUTLINE_MAX 0.04  // of the object's width in the picture: silhouettes that no axis explains
 #define OUTLINE_LEAST 0.1 // pixels, of the scale of silhouettes: coverage is not finer
 #define FOUND 0.25        // share of the residuals that must be there
-#define RIVAL 1.6         // times the least cost of silhouettes: worth looking at
-#define LIKELY 1.15       // times the least error: as good
-#define NEAR 0.3          // distances tried, in distances between camera and projector
+#define CHANCE_MAX                                                                                           \
+    0.6 // error at the best distance, as a share of chance, both squared: more, and the pattern tells none
+#define RIVAL 1.6   // times the least cost of silhouettes: worth looking at
+#define LIKELY 1.15 // times the least error: as good
+#define NEAR 0.3    // distances tried, in distances between camera and projector
 #define FAR 300.0
 #define GUESS_OFF 1.4  // factor that a guess may be wrong by
 #define ROUNDS 3       // of matching and fitting
@@ -176,7 +177,7 @@ static bool find_distance(const Search *search, Candidate *candidates, int count
         return ffp_fail(err, FFP_ERROR_FILE, PLACE,
                         "the projector does not reach the object at any distance: check R, T and the sizes "
                         "in the calibration");
-    if (sqrt(best->scan.error) > FFP_RIG_CHANCE_MAX * sqrt(best->scan.chance))
+    if (best->scan.error > CHANCE_MAX * best->scan.chance)
         return ffp_fail(
             err, FFP_ERROR_FILE, PLACE,
             "the pattern does not determine the object's distance (error %.3f, %.3f by chance): check the "

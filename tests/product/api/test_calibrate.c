@@ -23,6 +23,8 @@ static void keep_finding(void *user, const FfpFinding *finding) {
     char text[256];
     snprintf(text, sizeof text, "%s %s", finding->code, finding->view ? finding->view : "");
     keep_note(user, FFP_LOG_NOTE, text);
+    keep_note(user, FFP_LOG_NOTE, finding->text);
+    if (finding->advice) keep_note(user, FFP_LOG_NOTE, finding->advice);
 }
 
 static FfpContext *listening(void) {
@@ -442,6 +444,7 @@ static void a_bad_one_is_left_out(void **state) {
     ffp_context_free(context);
     assert_true(stats.attitudes == 4 && stats.used == 3);
     assert_non_null(strstr(notes, "attitudes-left-out bad\n"));
+    assert_non_null(strstr(notes, "33 photographs"));
     assert_non_null(strstr(notes, "lens-terms-")); // three attitudes are few for five lens terms
 }
 
@@ -478,6 +481,7 @@ static void everything_that_was_shown(void **state) {
     // The terms that are open were tried on boards held out.
     printf("%s", notes);
     assert_non_null(strstr(notes, "lens-terms-to-fix "));
+    assert_non_null(strstr(notes, "held out are then off by 0."));
     snprintf(command, sizeof command, "rm '%s'/pose_[1-4]/shot_[89].png", folder);
     assert_int_equal(system(command), 0);
     FfpRigCalibration o = settings_of(&folder, 1);
@@ -633,8 +637,8 @@ static void stops_out_of_line_are_left_out(void **state) {
     ffp_context_free(context);
     printf("%s", notes);
     assert_true(stats.stops_used == STOPS - 2 && stats.stops_rms < 0.2);
-    assert_non_null(strstr(strstr(notes, "attitudes-left-out "), "table_moved/3.png\n"));
-    assert_non_null(strstr(notes, "table_moved/5.png\n"));
+    assert_non_null(strstr(notes, "attitudes-left-out "));
+    assert_true(strstr(notes, "table_moved/3.png\n") && strstr(notes, "table_moved/5.png\n"));
 }
 
 static void wrong_turntables(void **state) {

@@ -52,10 +52,12 @@ static void tags_that_differ_are_refused(void **state) {
     for (int k = 1; k <= 3; k++) tag("090", k, 3);
     assert_int_equal(import("turned"), 1);
     assert_true(has_told(&run, "orientation-tags-differ"));
+    assert_non_null(strstr(run.err, "view 090 are tagged as turned by 180 degrees"));
     for (int k = 1; k < 3; k++) tag("090", k, 1);
     assert_int_equal(import("mixed"), 1);
     assert_true(has_told(&run, "orientation-tags-mixed"));
     assert_non_null(strstr(run.err, "view-090/"));
+    assert_non_null(strstr(run.err, "'003.jpg' otherwise"));
 }
 
 int main(void) {
