@@ -111,7 +111,7 @@ async function followStudio(app) {
       const answer = await (await fetch(`${studio[1]}control${known === null ? '' : `?known=${known}`}`)).json();
       if (!answer.osc) return;
       if (known === null) $('osc').textContent = `OSC: ${answer.osc}`;
-      for (const {address, values} of answer.events) await applyControl(app, address, values);
+      for (const {address, values} of answer.events) applyControl(app, address, values); // none waits for films that another loads
       known = answer.number, failed = 0;
       if (answer.events.length || performance.now() - began > 100) continue;
     } catch {

@@ -38,6 +38,7 @@ class App {
     this.quality = 1, this.lastChange = 0, this.pending = false;
     this.listeners = [];
     document.addEventListener('visibilitychange', () => this.reschedule());
+    addEventListener('pagehide', () => this.projectors.forEach((projector) => projector.window.close()));
     canvas.addEventListener('webglcontextlost', (event) => {
       event.preventDefault();
       this.lost = true;
@@ -293,12 +294,12 @@ class App {
     if (!from || !to) return say('Pull from a place of the object to another one.');
     const {device} = projector, pulls = [...projector.pulls.slice(1 - PULLS_MAX), {point: from, pixel: project(device, to).slice(0, 2)}];
     const pose = poseOfPulls(device, pulls, length3(sub3(positionOf(device.pose), this.scene.centre)));
-    if (!pose) return say('These pulls do not fit together; choose Nudge again to begin again.');
+    if (!pose) return say('These pulls do not fit together; choose Nudge again to start over.');
     this.setProjectorPose(pose);
     projector.pulls = pulls;
     const miss = missOf(projector.device, pulls), left = 3 - pulls.length;
     say(left > 0 ? `The projector has turned; ${left === 1 ? 'one more pull finds' : 'two more pulls, far apart, find'} its whole pose.`
-      : `The projector's pose is found from ${pulls.length} pulls${pulls.length > 3 ? `, which it misses by ${miss.toFixed(1)} pixels` : ''}.`);
+      : `The projector's pose is found from ${pulls.length} pulls${pulls.length > 3 ? `, with a mean error of ${miss.toFixed(1)} pixels` : ''}.`);
   }
 
   // --- Photographs. ---

@@ -45,7 +45,7 @@ async function attempt(work) {
 
 // A banner that stays, with the way back.
 function tellGone(gone) {
-  if (studio.gone && !gone) say('The studio is there again.');
+  if (studio.gone && !gone) say('The studio is back.');
   studio.gone = gone;
   $('gone').hidden = !gone;
   const folder = studio.state ? studio.state.folder : '';

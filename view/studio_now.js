@@ -45,12 +45,7 @@ const ENLARGED = 4; // the difference that is shown
 async function turnedSince(object) {
   const [before, after] = await Promise.all(['capture', 'aligned'].map(async (which) =>
     JSON.parse(await textOf(`objects/${object.name}/now/${which}/scene.json`)).views[0]));
-  const between = (a, b) => {
-    let trace = 0;
-    for (let i = 0; i < 3; i++) for (let k = 0; k < 3; k++) trace += a[i][k] * b[i][k];
-    return Math.acos(Math.min(1, (trace - 1) / 2)) * 180 / Math.PI;
-  };
-  return {camera: between(before.c2w, after.c2w), projector: between(before.p2w, after.p2w)};
+  return {camera: degreesBetween(before.c2w.flat(), after.c2w.flat()), projector: degreesBetween(before.p2w.flat(), after.p2w.flat())};
 }
 
 async function tellNow(state, object) {

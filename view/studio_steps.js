@@ -286,7 +286,7 @@ function drawObject(state) {
   drawKnown(state, object);
   if (state.patterns.length === 0) tellWhy('object-note', 'The patterns are not drawn yet:', 'rig');
   else if (!alone() && !state.axis) tellWhy('object-note', 'The rig is not calibrated yet:', 'board');
-  else tellWhy('object-note', all ? '' : 'All stops are photographed before it is reconstructed.');
+  else tellWhy('object-note', all ? '' : 'Photograph all stops before you reconstruct it.');
 }
 
 // --- How well the stops so far determine the rig. ---

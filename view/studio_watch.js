@@ -25,14 +25,20 @@ function degreesBetween(a, b) {
 function watchVerdict({camera, projector, difference}, least) {
   const devices = [['camera', camera], ['projector', projector]], moved = devices.filter(([, {pixels, width}]) => pixels > SHIFTED * width);
   if (least !== null && difference > LOST * least)
-    return {moved: true, found: false, text: 'Something has moved, or the light has changed, and where camera and projector are was not found.'};
-  if (!moved.length) return {moved: false, found: true, text: 'All is where it was.'};
+    return {moved: true, found: false, text: 'Something has moved, or the light has changed, and camera and projector could not be found again.'};
+  if (!moved.length) return {moved: false, found: true, text: 'Nothing has moved.'};
   const how = devices.map(([name, {degrees, pixels}]) => `${name} by ${degrees.toFixed(2)}°, ${pixels.toFixed(1)} pixels`).join(', ');
   const what = moved.length === 2 ? 'The object, or camera and projector, have moved' : `The ${moved[0][0]} has moved`;
   return {moved: true, found: true, text: `${what} (${how}). Found again; the picture follows.`};
 }
 
-const watching = {on: false, poses: null, least: null, busy: false};
+// Poses hold for one view of one viewer, the least difference for one picture of the show.
+function beginAgain(watching, view, pixels) {
+  if (watching.view !== view) watching.view = view, watching.poses = watching.pixels = null;
+  if (!watching.pixels || pixels.some((value, i) => value !== watching.pixels[i])) watching.pixels = pixels, watching.least = null;
+}
+
+const watching = {on: false, busy: false, view: null, poses: null, pixels: null, least: null};
 
 const viewerOf = () => $('viewer').contentWindow;
 
@@ -40,9 +46,9 @@ async function pictureOfShow(page) {
   const {viewer} = page, projector = viewer.projectors.find((p) => p.window.isOpen) || viewer.projectors[0];
   viewer.updatePatterns();
   const {width, height, data} = page.panelPicture(viewer.graphics, projector, viewer.scene.panel, watching.kept = watching.kept || {});
-  const canvas = element('canvas', {width, height});
-  canvas.getContext('2d', {alpha: false}).putImageData(new ImageData(new Uint8ClampedArray(data), width, height), 0, 0);
-  return {projector, blob: await new Promise((done) => canvas.toBlob(done, 'image/png'))};
+  const canvas = element('canvas', {width, height}), copy = new Uint8ClampedArray(data);
+  canvas.getContext('2d', {alpha: false}).putImageData(new ImageData(copy, width, height), 0, 0);
+  return {projector, pixels: new Uint32Array(copy.buffer), blob: await new Promise((done) => canvas.toBlob(done, 'image/png'))};
 }
 
 // The one photograph of the set; the viewer's projector window shows the picture already.
@@ -50,8 +56,7 @@ async function photographShow(name) {
   let state = await doIt({verb: 'shoot', set: name});
   while (state.active && state.active.name === name) {
     if (isVirtual()) await takeOne(state.active);
-    else if (studio.state.settings.camera === 'browser' && webcam.stream) await ask(`photograph?set=${name}&number=${state.active.next.number}`, await grab());
-    else throw new Error('Watching needs the browser’s camera: open it (step 1).');
+    else await ask(`photograph?set=${name}&number=${state.active.next.number}`, await grab());
     state = studio.state;
   }
 }
@@ -74,10 +79,11 @@ function followPoses(page, view, projector, before, now) {
 }
 
 async function lookOnce() {
-  const page = viewerOf(), object = objectNow(studio.state), began = performance.now();
+  const page = viewerOf(), object = objectNow(studio.state);
   if (!page.viewer || page.viewer.playing) return 'A film or a fade is running: the next look waits for its end.';
-  const {projector, blob} = await pictureOfShow(page), stop = $('now-view').value;
-  await ask('own', blob);
+  if (!isVirtual() && !(studio.state.settings.camera === 'browser' && webcam.stream)) throw new Error('Watching needs the browser’s camera: open it (step 1).');
+  const {projector, pixels, blob} = await pictureOfShow(page), stop = $('now-view').value;
+  await ask('own?watch=true', blob);
   await doIt({verb: 'try', view: stop, pattern: 'own', turned: isVirtual() ? Math.round(number('now-turned')) : 0, watch: true});
   await photographShow(`objects/${object.name}/now`);
   const taken = performance.now();
@@ -86,18 +92,19 @@ async function lookOnce() {
   const found = JSON.parse(await textOf(`objects/${object.name}/now/aligned/scene.json`)).views[0], now = {camera: found.c2w.flat(), projector: found.p2w.flat()};
   const view = page.viewer.scene.views.find(({id}) => id === found.id), {centre, radius} = page.viewer.scene;
   if (!view) throw new Error(`The viewer has no view ${found.id}.`);
+  beginAgain(watching, view, pixels);
   const before = watching.poses || {camera: view.camera.pose, projector: view.projector.pose};
   const points = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]].map((side) => side.map((x, k) => centre[k] + 0.8 * x * radius));
   const since = (name, device) => ({degrees: degreesBetween(before[name], now[name]), pixels: shiftBetween(page.project, device, before[name], now[name], points), width: device.width});
   const difference = Number((/differ by ([\d.]+)/.exec(studio.state.job.log) || [])[1]);
+  if (!Number.isFinite(difference)) throw new Error('align did not say how far the pictures differ.');
   const told = watchVerdict({camera: since('camera', view.camera), projector: since('projector', view.projector), difference}, watching.least);
   if (told.found) {
     if (told.moved) followPoses(page, view, projector, before, now);
     if (told.moved || !watching.poses) watching.poses = now;
     watching.least = watching.least === null ? difference : Math.min(watching.least, difference);
   }
-  watching.took = [taken - began, performance.now() - taken];
-  return `${told.text} (${new Date().toLocaleTimeString()}, ${(watching.took[1] / 1000).toFixed(1)} s)`;
+  return `${told.text} (${new Date().toLocaleTimeString()}, ${((performance.now() - taken) / 1000).toFixed(1)} s)`;
 }
 
 function setWatch(on) {

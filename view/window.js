@@ -42,7 +42,6 @@ class ProjectorWindow {
     this.kept = {};
     this.window = null;
     this.where = null; // {left, top, width, height, full}: the window's place, to which it comes back
-    addEventListener('pagehide', () => this.close());
   }
 
   get isOpen() { return !!this.window && !this.window.closed; }

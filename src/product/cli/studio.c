@@ -41,8 +41,8 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_TEXT,
      .offset = offsetof(FfpStudioOptions, osc),
      .help =
-         "also take OSC messages over UDP for the show (docs/guide/show.md lists them), such as 9000 on this "
-         "machine's loopback address, or 192.168.1.5:9000 from others, who then need no key. Default: none"},
+         "also take OSC messages for the show over UDP (docs/guide/show.md): 9000 listens on this machine's "
+         "loopback address, 192.168.1.5:9000 on the network, where no key is needed. Default: none"},
     {0},
 };
 

@@ -72,7 +72,7 @@ static json_t *take_value(Reader *r, char type) {
     case 's':
     case 'S':
         text = take_text(r, TEXT_MOST);
-        return text ? json_string(text) : NULL; // NULL: no UTF-8
+        return text ? json_string(text) : NULL; // NULL: not UTF-8
     default:
         return NULL;
     }
@@ -85,7 +85,7 @@ static bool is_address(const char *text) {
            strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789/_-.") == length;
 }
 
-// {"address", "values"}; NULL: this is not a message that there is.
+// {"address", "values"}; NULL: not a valid message.
 static json_t *take_message(Reader *r) {
     const char *address = take_text(r, ADDRESS_MOST), *types = ",";
     json_t *values = json_array();
@@ -124,7 +124,7 @@ void ffp_studio_controlled(FfpStudio *studio) {
     unsigned char bytes[PACKET_MOST + 1];
     for (int i = 0; i < AT_ONCE; i++) {
         const ssize_t size = recv(studio->osc, bytes, sizeof bytes, MSG_DONTWAIT);
-        if (size < 0) return; // none any more, or one that the system refused
+        if (size < 0) return; // no more, or one that the system refused
         json_t *found = size <= PACKET_MOST ? ffp_studio_osc(bytes, (size_t)size) : NULL, *message;
         size_t k;
         json_array_foreach(found, k, message) {

@@ -13,6 +13,7 @@
 #include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 #include "work.h"
 
@@ -232,7 +233,9 @@ static enum MHD_Result answer_post(Server *server, struct MHD_Connection *connec
     if (strcmp(path, "photograph") == 0) {
         ok = store(studio, connection, request, said);
     } else if (strcmp(path, "own") == 0) {
-        ok = ffp_studio_store_own(studio, request->body ? request->body : "", request->size, said);
+        const char *watch = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "watch");
+        ok = ffp_studio_store_own(studio, watch && strcmp(watch, "true") == 0,
+                                  request->body ? request->body : "", request->size, said);
     } else {
         json_t *asked =
             json_loadb(request->body ? request->body : "", request->size, JSON_REJECT_DUPLICATES, NULL);
@@ -372,20 +375,28 @@ static void open_browser(const char *address) {
     _exit(127);
 }
 
+static int64_t milliseconds(void) {
+    struct timespec time = {0};
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (int64_t)time.tv_sec * 1000 + time.tv_nsec / 1000000;
+}
+
 // Until SIGINT or SIGTERM comes.
 static void wait_for_the_end(Server *server, int signals) {
     FfpStudio *studio = server->studio;
     struct pollfd from[3] = {{.fd = signals, .events = POLLIN},
                              {.fd = studio->changes, .events = POLLIN},
                              {.fd = studio->osc, .events = POLLIN}};
-    for (;;) {
-        if (poll(from, 3, studio->osc >= 0 ? WAIT : -1) < 0 && errno != EINTR) return;
+    for (int64_t over = milliseconds() + WAIT;;) {
+        const int64_t left = over - milliseconds();
+        if (poll(from, 3, studio->osc < 0 ? -1 : left > 0 ? (int)left : 0) < 0 && errno != EINTR) return;
         struct signalfd_siginfo which; // read, or it would come again at the end
         if (from[0].revents) return (void)!read(signals, &which, sizeof which);
         pthread_mutex_lock(&studio->lock);
         if (from[1].revents) ffp_studio_arrived(studio);
         if (from[2].revents) ffp_studio_controlled(studio);
-        if (!from[1].revents || from[2].revents) wake(server); // messages have come, or the wait is over
+        if (from[2].revents || milliseconds() >= over) // messages have come, or the wait is over
+            wake(server), over = milliseconds() + WAIT;
         pthread_mutex_unlock(&studio->lock);
     }
 }

@@ -108,7 +108,7 @@ bool ffp_studio_read_trial(const FfpStudio *studio, const char *object, FfpStudi
     t->is_own = strcmp(t->pattern, "own") == 0;
     if (t->is_own) {
         snprintf(t->name, sizeof t->name, "own");
-        snprintf(t->file, sizeof t->file, "objects/%.60s/own.png", object);
+        snprintf(t->file, sizeof t->file, t->watch ? FFP_STUDIO_WATCHED : FFP_STUDIO_OWNED, object);
     } else {
         if (ffp_studio_pattern_number(t->pattern) == 0) return false;
         ffp_studio_pattern_name(t->pattern, t->name, sizeof t->name);

@@ -19,9 +19,13 @@ static bool is_pattern(const FfpStudio *studio, const char *name) {
     return ffp_studio_exists(studio, path);
 }
 
-// Out of the way: what watching photographed is deleted, the rest kept.
-static bool put_away(const FfpStudio *studio, const char *path) {
-    const bool watched = json_is_true(json_object_get(json_object_get(studio->settings, "trial"), "watch"));
+// Out of the way: what watching photographed of the object is deleted, the rest kept. NULL: the simulated
+// rig's, which is of the last trial whatever its object.
+static bool put_away(const FfpStudio *studio, const char *object, const char *path) {
+    const json_t *trial = json_object_get(studio->settings, "trial");
+    const char *of = json_string_value(json_object_get(trial, "object"));
+    const bool watched =
+        json_is_true(json_object_get(trial, "watch")) && (!object || (of && strcmp(of, object) == 0));
     return watched ? ffp_studio_remove(studio, path) : ffp_studio_set_aside(studio, path);
 }
 
@@ -36,25 +40,27 @@ bool ffp_studio_try(FfpStudio *studio, const json_t *request, char said[FFP_STUD
         return ffp_studio_say(said, "the object is not reconstructed yet");
     if (!view || ffp_studio_stop_angle(about, view) < 0)
         return ffp_studio_say(said, "view: takes a stop of the object");
-    snprintf(path, sizeof path, "objects/%.60s/own.png", object);
+    const bool watch = json_is_true(json_object_get(request, "watch"));
+    snprintf(path, sizeof path, watch ? FFP_STUDIO_WATCHED : FFP_STUDIO_OWNED, object);
     const bool own = pattern && strcmp(pattern, "own") == 0;
+    if (watch && !own) return ffp_studio_say(said, "watch: takes the pattern own, the show's picture");
     if (own ? !ffp_studio_exists(studio, path) : !is_pattern(studio, pattern))
         return ffp_studio_say(
             said, "pattern: takes one of patterns/ beside black and white, or a picture of your own");
-    const bool watch = json_is_true(json_object_get(request, "watch"));
-    if (watch && !own) return ffp_studio_say(said, "watch: takes the pattern own, the show's picture");
     if (turned && (!json_is_integer(turned) || llabs(json_integer_value(turned)) > 180))
         return ffp_studio_say(said, "turned: takes -180 to 180 whole degrees");
     snprintf(path, sizeof path, "objects/%.60s/now", object);
-    if (!put_away(studio, path) || !put_away(studio, "virtual/now") || !put_away(studio, "virtual/shown"))
-        return ffp_studio_say(said, "%s cannot be moved to discarded/", path);
+    if (!put_away(studio, object, path) || !put_away(studio, NULL, "virtual/now") ||
+        !put_away(studio, NULL, "virtual/shown"))
+        return ffp_studio_say(said, "%s cannot be put away", path);
     json_object_set_new(studio->settings, "trial",
                         json_pack("{s:s, s:s, s:s, s:I, s:b}", "object", object, "view", view, "pattern",
                                   pattern, "turned", json_integer_value(turned), "watch", watch));
     return ffp_studio_save(studio, said);
 }
 
-bool ffp_studio_store_own(FfpStudio *studio, const void *bytes, size_t size, char said[FFP_STUDIO_SAID]) {
+bool ffp_studio_store_own(FfpStudio *studio, bool watch, const void *bytes, size_t size,
+                          char said[FFP_STUDIO_SAID]) {
     char path[FFP_STUDIO_NAME];
     int width, height;
     const char *ending, *object = ffp_studio_setting(studio, "object", "");
@@ -64,7 +70,7 @@ bool ffp_studio_store_own(FfpStudio *studio, const void *bytes, size_t size, cha
     if (width != ffp_studio_number(studio, "projector", 0, 0) ||
         height != ffp_studio_number(studio, "projector", 1, 0))
         return ffp_studio_say(said, "the picture has %d x %d pixels, the projector others", width, height);
-    snprintf(path, sizeof path, "objects/%.60s/own.png", object);
+    snprintf(path, sizeof path, watch ? FFP_STUDIO_WATCHED : FFP_STUDIO_OWNED, object);
     if (!ffp_studio_write(studio, path, bytes, size))
         return ffp_studio_say(said, "%s cannot be written: %s", path, strerror(errno));
     ffp_studio_changed(studio);
@@ -113,6 +119,7 @@ static void add_shots(const FfpStudio *studio, const FfpStudioTrial *t, const Ff
     if (t->watch) add_plain(studio, t, c);
     for (int i = 0; i < now->count; i++) {
         ffp_studio_pattern_name(now->shots[i].pattern, name, sizeof name);
+        if (now->shots[i].number == FFP_STUDIO_OWN) snprintf(name, sizeof name, "%s", t->name);
         ffp_studio_word(c, "-i");
         ffp_studio_word(c, "%s=%s/%03d.%s", name, now->name, now->shots[i].number, now->ending);
         for (int k = 0; has_empty && k < empty.count; k++) {
@@ -142,7 +149,7 @@ static void add_comparison(FfpStudioJob *job, const char *object, const char *wh
 static bool set_made_aside(const FfpStudio *studio, const char *object, const char *what, char *said) {
     char path[FFP_STUDIO_NAME];
     snprintf(path, sizeof path, "objects/%.60s/now/%s", object, what);
-    return put_away(studio, path) || ffp_studio_say(said, "%s cannot be moved to discarded/", path);
+    return put_away(studio, object, path) || ffp_studio_say(said, "%s cannot be put away", path);
 }
 
 // Makes the capture of now.

@@ -152,6 +152,8 @@ double ffp_studio_stop_angle(const json_t *object, const char *folder);
 // The entry of objects/NAME/now in studio.json; false: none, or none of this object.
 #define FFP_STUDIO_VIEW "view-" // before the angle in the name of a stop's folder, as `generate` calls it
 enum { FFP_STUDIO_OWN = 999 };  // number of the photograph under a picture of the user's
+#define FFP_STUDIO_OWNED "objects/%.60s/own.png"    // that picture
+#define FFP_STUDIO_WATCHED "objects/%.60s/show.png" // in its place while a show is watched: the show's
 typedef struct FfpStudioTrial {
     const char *object, *view, *pattern; // "view-045"; a file of patterns/, or "own"
     int turned;                          // degrees by which the simulated turntable is off
@@ -210,8 +212,10 @@ void ffp_studio_arrived(FfpStudio *studio); // when `changes` can be read
 // to be photographed as objects/NAME/now; what was photographed there before is set aside. With "watch": true
 // it is the show's picture alone, "own", and what watching has photographed before is deleted.
 bool ffp_studio_try(FfpStudio *studio, const json_t *request, char said[FFP_STUDIO_SAID]);
-// A picture of the user's, a PNG of the panel's size, as objects/NAME/own.png.
-bool ffp_studio_store_own(FfpStudio *studio, const void *bytes, size_t size, char said[FFP_STUDIO_SAID]);
+// A picture of the user's, a PNG of the panel's size, as objects/NAME/own.png; watch: the show's, as
+// show.png.
+bool ffp_studio_store_own(FfpStudio *studio, bool watch, const void *bytes, size_t size,
+                          char said[FFP_STUDIO_SAID]);
 // The steps "now", which compares, "register", which finds the devices again, and "watch", which finds them
 // by the show's picture (black and white are the stop's own), as ffp_studio_step.
 bool ffp_studio_is_trial_step(const char *step);

@@ -338,6 +338,10 @@ def trials_are_checked(studio):
     outside.mkdir()
     (outside / "mine.txt").write_bytes(b"kept")
     assert "watch" in studio.do(verb="try", view="view-045", pattern="004_lollipop_1.png", watch=True)[1]["error"]
+    assert studio.do(verb="try", view="view-045", pattern="own", watch=True)[0] == 409  # the user's picture is not the show's
+    own = (studio.folder / "objects/x/own.png").read_bytes()
+    assert studio.ask("POST", "own?watch=true", png(320, 200, 7))[0] == 200
+    assert (studio.folder / "objects/x/own.png").read_bytes() == own != (studio.folder / "objects/x/show.png").read_bytes()
     for _ in range(3):
         assert studio.do(verb="try", view="view-045", pattern="own", watch=True)[0] == 200
         status, answer = studio.do(verb="shoot", set="objects/x/now")
@@ -351,8 +355,25 @@ def trials_are_checked(studio):
     assert studio.do(verb="try", view="view-045", pattern="own")[0] == 200
     assert not now.exists() and (outside / "mine.txt").read_bytes() == b"kept"
     shutil.rmtree(outside)
+    # while one object is watched, what was photographed of another by hand is kept
+    other = studio.folder / "objects/y/now"
+    studio.do(verb="object", name="y", stops=8)
+    (other / "capture").mkdir(parents=True)
+    (other / "aligned").mkdir()
+    for name in ("mine.txt", "capture/scene.json", "aligned/mine.txt"):
+        (other / name).write_bytes(b"kept")
+    (studio.folder / "objects/y/object.ply").write_bytes(b"")
+    studio.do(verb="object", name="x", stops=8)
+    assert studio.do(verb="try", view="view-045", pattern="own", watch=True)[0] == 200
+    studio.do(verb="object", name="y", stops=8)
+    studio.do(verb="run", step="register")
+    studio.wait("failed")
+    assert (studio.folder / "discarded/objects-y-now-aligned-1/mine.txt").read_bytes() == b"kept" and not (other / "aligned").exists()
+    assert studio.do(verb="try", view="view-045", pattern="004_lollipop_1.png")[0] == 200
+    assert (studio.folder / "discarded/objects-y-now-1/mine.txt").read_bytes() == b"kept" and not other.exists()
+    studio.do(verb="object", name="x", stops=8)
     studio.do(verb="shoot", set="calibration/attitude-00")  # as it was
-    return len(wrong) + 8
+    return len(wrong) + 10
 
 
 def photographs_are_checked(studio):
@@ -607,6 +628,17 @@ def control_from_outside(program, folder, seconds):
     answer = json.loads(studio.ask("GET", "control?known=0")[1])
     quarantine = 300 if b"__asan_init" in Path(program).read_bytes() else 0  # AddressSanitizer keeps what was freed
     assert len(answer["events"]) <= 256 and studio.memory() < before + 20 + quarantine, (len(answer["events"]), studio.memory() - before)
+    filled, until = folder.parent / "filled", time.monotonic() + 11.5
+    filled.mkdir()
+    assert studio.do(verb="set", settings={"camera": "folder", "watched": str(filled)})[0] == 200
+    def fill():  # other things that happen do not lengthen the wait
+        while time.monotonic() < until:
+            (filled / "x.txt").write_bytes(b"x")
+            time.sleep(0.5)
+    helper = threading.Thread(target=fill)
+    helper.start()
+    assert not asked(answer["number"])["events"] and time.monotonic() < until
+    helper.join()
     link = socket.create_connection(("127.0.0.1", studio.port))  # one that waits does not keep the studio from its end
     link.sendall(f"GET /{studio.key}/control?known={answer['number']} HTTP/1.1\r\nHost: 127.0.0.1:{studio.port}\r\n\r\n".encode())
     time.sleep(0.2)
