@@ -426,6 +426,7 @@ def faults(program, found, folder, first):
         page.click("#board-shoot")
         page.wait("studio.state.active && studio.state.active.done > 3")
         page.start(studio.url)
+        assert page.asked == ["beforeunload"], page.asked
         before = count_of(rig)
         page.wait("!document.getElementById('shooting').hidden && document.getElementById('shooting-stop').textContent === 'Go on'")
         assert count_of(rig) <= before + 1

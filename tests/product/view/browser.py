@@ -47,6 +47,7 @@ class Browser:
         os.close(from_browser)
         self.write, self.read, self.left, self.last = from_here, to_here, b"", 0
         self.console, self.requests, self.targets, self.answers = [], [], [], {}
+        self.asked = []  # kinds of dialogs, all of which are agreed to
         targets = self.call("Target.getTargets", session=None)["targetInfos"]
         page = next(t for t in targets if t["type"] == "page")
         self.session = self.call("Target.attachToTarget", {"targetId": page["targetId"], "flatten": True},
@@ -77,6 +78,9 @@ class Browser:
             self.console.append(" ".join((told["entry"]["level"] + ":", told["entry"]["text"], told["entry"].get("url", ""))))
         elif method == "Network.requestWillBeSent":
             self.requests.append(told["request"]["url"])
+        elif method == "Page.javascriptDialogOpening":
+            self.asked.append(told["type"])
+            self._send("Page.handleJavaScriptDialog", {"accept": True}, self.session)
 
     def _receive(self, end):
         while b"\0" not in self.left:
@@ -90,20 +94,22 @@ class Browser:
         text, _, self.left = self.left.partition(b"\0")
         return json.loads(text)
 
-    def call(self, method, parameters=None, session="", timeout=120):
+    def _send(self, method, parameters, session):
         self.last += 1
-        message = {"id": self.last, "method": method, "params": parameters or {}}
-        if session == "":
-            session = self.session
+        message = {"id": self.last, "method": method, "params": parameters}
         if session:
             message["sessionId"] = session
         data = json.dumps(message).encode() + b"\0"
         while data:
             data = data[os.write(self.write, data):]
+        return self.last
+
+    def call(self, method, parameters=None, session="", timeout=120):
+        number = self._send(method, parameters or {}, self.session if session == "" else session)
         end = time.monotonic() + timeout
         while True:
             answer = self._receive(end)
-            if answer.get("id") != message["id"]:
+            if answer.get("id") != number:
                 self._note(answer)
             elif "error" in answer:
                 raise Failure(f"{method}: {answer['error']['message']}")
