@@ -26,7 +26,9 @@ def mean(values):
 
 
 def table(head, rows):
-    lines = [head, ["---"] * len(head), *rows]
+    """Columns in which nothing has been measured are left out."""
+    kept = [i for i in range(len(head)) if i == 0 or any(str(row[i]) for row in rows)]
+    lines = [[line[i] for i in kept] for line in (head, ["---"] * len(head), *rows)]
     return "\n".join("|" + "|".join(f" {c} " if c != "---" else c for c in map(str, line)).replace("|  |", "| |") + "|" for line in lines).replace("|  |", "| |")
 
 

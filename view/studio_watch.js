@@ -96,8 +96,7 @@ async function lookOnce() {
   const before = watching.poses || {camera: view.camera.pose, projector: view.projector.pose};
   const points = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]].map((side) => side.map((x, k) => centre[k] + 0.8 * x * radius));
   const since = (name, device) => ({degrees: degreesBetween(before[name], now[name]), pixels: shiftBetween(page.project, device, before[name], now[name], points), width: device.width});
-  const difference = Number((/differ by ([\d.]+)/.exec(studio.state.job.log) || [])[1]);
-  if (!Number.isFinite(difference)) throw new Error('align did not say how far the pictures differ.');
+  const {log} = studio.state.job, difference = JSON.parse(log.slice(log.lastIndexOf('\n{') + 1)).after; // align's figures are its end
   const told = watchVerdict({camera: since('camera', view.camera), projector: since('projector', view.projector), difference}, watching.least);
   if (told.found) {
     if (told.moved) followPoses(page, view, projector, before, now);

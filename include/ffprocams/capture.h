@@ -25,7 +25,7 @@ typedef enum FfpRead {
     FFP_READ_NONE,
 } FfpRead;
 typedef struct FfpOpening {
-    size_t size; // of this struct, by the default's function
+    size_t size; // set by ffp_opening_defaults
     FfpRead photographs;
     const char *const *patterns; // of FFP_READ_WANTED, as in FfpReconstruction
     int n_patterns;              // 0: the first

@@ -7,6 +7,12 @@
 
 // For an HTML page or an attribute in it: escapes special characters.
 void ffp_put_html(FILE *out, const char *text);
+// The end of an HTML report's style: its colours where the reader's screen is dark; .open and .look stand
+// out.
+#define FFP_REPORT_DARK                                                                                      \
+    ":root{color-scheme:light dark}@media(prefers-color-scheme:dark){"                                       \
+    "body{color:#ddd;background:#17171a}a{color:#8bf}figcaption{color:#aaa}"                                 \
+    "td,th,h2{border-color:#444}.open,.look{color:#f96}}"
 // For a terminal: strings from files may contain anything, and only text may reach it.
 void ffp_put_plain(FILE *out, const char *text);
 

@@ -70,7 +70,7 @@ void ffp_procams_lift(FfpProCams *procams);
 // Turns targets into light painted on the object: a target of 0 becomes what the camera sees under dark
 // projectors, lifted as by ffp_procams_lift, 1 what it sees under the mean of what each projector's white
 // would show alone, weighted by their feathers: so nothing is brighter where projectors overlap than beside.
-// All of these values can be reached.
+// Without a black level all of these values can be reached.
 void ffp_procams_paint(FfpProCams *procams);
 
 // The camera's picture under the projections' patterns: linear, unclamped.

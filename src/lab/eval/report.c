@@ -203,13 +203,9 @@ static const char style[] =
     "@media(max-width:900px){figure.large,figure.three{width:calc(50% - 8px)}figure.one{width:calc(20% - "
     "7px)}"
     ".row{grid-template-columns:repeat(5,1fr)}}"
-    "@media(max-width:600px){body{padding:0 .5em}figure.large{width:calc(50% - "
-    "8px)}figure.three{width:100%;margin-right:0}"
-    "figure.one{flex:0 0 30%}.row{display:flex;overflow-x:auto}}"
-    ":root{color-scheme:light "
-    "dark}@media(prefers-color-scheme:dark){body{color:#ddd;background:#17171a}a{color:#8bf}figcaption{color:"
-    "#aaa}"
-    "td,th,h2{border-color:#444}}";
+    "@media(max-width:600px){body{padding:0 .5em}figure.large{width:calc(50% - 8px)}"
+    "figure.three{width:100%;margin-right:0}"
+    "figure.one{flex:0 0 30%}.row{display:flex;overflow-x:auto}}" FFP_REPORT_DARK;
 
 bool ffp_report_write(FfpReport *report, const FfpScore *scores, int n_scores, const char *viewer,
                       const char *path, FfpError *err) {

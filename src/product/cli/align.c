@@ -1,10 +1,31 @@
+#include <jansson.h>
 #include <stdio.h>
 #include "cli.h"
 
 typedef struct Arguments {
     const char *capture, *output, *gaussians;
     FfpAlignment options;
+    bool json;
 } Arguments;
+
+static void print_json(const char *output, const FfpAlignmentStats *s) {
+    json_t *all = json_pack("{s:s, s:f, s:f, s:f}", "output", output, "before", s->before, "after", s->after,
+                            "seconds", s->seconds);
+    if (s->known)
+        json_object_update_new(all, json_pack("{s:{s:f, s:f, s:f}, s:{s:f, s:f, s:f}}", "camera", "rotated",
+                                              s->camera_turned, "moved", s->camera_moved, "pixels",
+                                              s->camera_pixels, "projector", "rotated", s->projector_turned,
+                                              "moved", s->projector_moved, "pixels", s->projector_pixels));
+    else
+        json_object_update_new(all, json_pack("{s:b, s:f, s:f, s:f, s:f, s:f, s:[ff], s:[ff], s:[ff]}",
+                                              "turntable", s->turntable, "evened", s->evened, "depth",
+                                              s->depth, "across", s->across, "side", s->side, "turned",
+                                              s->turned, "off", s->off[0], s->off[1], "apart", s->apart[0],
+                                              s->apart[1], "focal", s->focal[0], s->focal[1]));
+    json_dumpf(all, stdout, JSON_INDENT(1) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(9));
+    putchar('\n');
+    json_decref(all);
+}
 
 static void tell_known(const char *output, const FfpAlignmentStats *stats) {
     printf("camera      rotated by %.3f degrees and moved by %.4g: %.2f pixels (means over the views)\n"
@@ -52,7 +73,7 @@ static int run(void *data) {
     const bool ok = capture && (known || !arguments->gaussians) &&
                     ffp_align_poses(ffp_cli_context(), capture, &arguments->options, &stats, &err) &&
                     ffp_capture_save(ffp_cli_context(), capture, arguments->output, &err);
-    if (ok) (stats.known ? tell_known : tell)(arguments->output, &stats);
+    if (ok) (arguments->json ? print_json : stats.known ? tell_known : tell)(arguments->output, &stats);
     ffp_gaussians_close(known);
     ffp_capture_close(capture);
     return ok ? FFP_EXIT_OK : ffp_cli_fail(&err);
@@ -76,8 +97,11 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_TEXT,
      .offset = offsetof(Arguments, options.pattern),
      .help = "the structured-light pattern to align by (default: as for `reconstruct`); with --gaussians the "
-             "picture "
-             "whose photograph is looked at, which may be any (default: all photographs)"},
+             "picture whose photograph is looked at, which may be any (default: all photographs)"},
+    {.name = "json",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, json),
+     .help = "print the figures as JSON instead"},
     {.name = "gaussians",
      .letter = 'g',
      .argument = "FILE.ply",

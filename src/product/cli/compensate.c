@@ -137,8 +137,8 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, how.black_level),
      .most = 0.1,
      .help = "share of its white that a dark projector still gives (0.001 for a contrast of 1000 to 1; "
-             "default 0): "
-             "where several overlap it adds up, and the dark beside is lifted until it is as bright"},
+             "default 0): where "
+             "several overlap it adds up, and the dark beside is lifted until it is as bright"},
     {.name = "steps",
      .letter = 's',
      .argument = "N",

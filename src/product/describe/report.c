@@ -14,11 +14,8 @@ static const char style[] =
     "padding:0 1em;color:#222;background:#fff}h2{border-bottom:1px solid #bbb;margin-top:1.5em}"
     "pre{overflow-x:auto;font-size:13px}img{max-width:100%;background:#000}"
     "figure{display:inline-block;width:250px;margin:0 6px 12px 0;vertical-align:top}"
-    "figcaption{font-size:13px;color:#555;overflow-wrap:anywhere}.look{color:#b40;font-weight:bold}"
-    ":root{color-scheme:light "
-    "dark}@media(prefers-color-scheme:dark){body{color:#ddd;background:#17171a}a{color:#8bf}figcaption{color:"
-    "#aaa}"
-    "td,th,h2{border-color:#444}.look{color:#f96}}";
+    "figcaption{font-size:13px;color:#555;overflow-wrap:anywhere}.look{color:#b40;font-weight:"
+    "bold}" FFP_REPORT_DARK;
 
 static bool put_image(FILE *out, const FfpImage *encoded, const char *text, FfpError *err) {
     unsigned char *bytes;

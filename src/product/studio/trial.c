@@ -198,6 +198,7 @@ static bool watch_now(FfpStudio *studio, FfpStudioJob *job, char *said) {
     FfpStudioCommand *c = add_alignment(job, ffp_studio_setting(studio, "object", ""));
     ffp_studio_word(c, "-p");
     ffp_studio_word(c, "own");
+    ffp_studio_word(c, "--json");
     return true;
 }
 

@@ -25,11 +25,7 @@ static const char style[] =
     "display:block}.wide{overflow-x:auto}table{border-collapse:collapse}"
     "td,th{border-bottom:1px solid #ddd;padding:3px 10px;text-align:right}td:first-child,th:first-child,"
     ".why{text-align:left}.open{color:#b40}i{display:inline-block;width:.8em;height:.8em;border-radius:50%}"
-    "@media(max-width:700px){figure{width:100%}}"
-    ":root{color-scheme:light "
-    "dark}@media(prefers-color-scheme:dark){body{color:#ddd;background:#17171a}a{color:#8bf}figcaption{color:"
-    "#aaa}"
-    "td,th,h2{border-color:#444}.open{color:#f96}}";
+    "@media(max-width:700px){figure{width:100%}}" FFP_REPORT_DARK;
 
 // --- Figures as numbers. ---
 

@@ -94,13 +94,11 @@ static bool decode_view(FfpImporting *import, int stop, FfpError *err) {
     FfpError error = {0}, other = {0};
     if (decode(import, stop, import->settings->linear_images, &error)) return true;
     const int missing = count_missing(import, stop), n = import->shots.n_codes;
+    if (err) *err = error;
     if (missing > 0)
         ffp_fail_by(FFP_RULE_CODES_MISSING, &(FfpFacts){.x = n - missing, .y = n, .a = error.text}, NULL,
                     err);
-    if (err && missing > 0)
-        err->code = error.code;
-    else if (err)
-        *err = error;
+    if (err) err->code = error.code;
     if (import->settings->linear_images || error.code != FFP_ERROR_FILE || stop > 0) return false;
     ffp_image_free(&import->capture.views[stop].correspondence);
     if (!decode(import, stop, true, &other)) return false;

@@ -17,11 +17,10 @@
 #define OUTLINE_MAX 0.04  // of the object's width in the picture: silhouettes that no axis explains
 #define OUTLINE_LEAST 0.1 // pixels, of the scale of silhouettes: coverage is not finer
 #define FOUND 0.25        // share of the residuals that must be there
-#define CHANCE_MAX                                                                                           \
-    0.6 // error at the best distance, as a share of chance, both squared: more, and the pattern tells none
-#define RIVAL 1.6   // times the least cost of silhouettes: worth looking at
-#define LIKELY 1.15 // times the least error: as good
-#define NEAR 0.3    // distances tried, in distances between camera and projector
+#define CHANCE_MAX 0.6 // error at the best distance, as a share of chance: more, and the pattern tells none
+#define RIVAL 1.6      // times the least cost of silhouettes: worth looking at
+#define LIKELY 1.15    // times the least error: as good
+#define NEAR 0.3       // distances tried, in distances between camera and projector
 #define FAR 300.0
 #define GUESS_OFF 1.4  // factor that a guess may be wrong by
 #define ROUNDS 3       // of matching and fitting

@@ -46,6 +46,22 @@ static void test_a_capture_like_the_given_one(void **state) {
         run_format(&run, "reconstruct %s/aligned -o %s/a.ply --model none --polish 0", scratch, scratch), 0);
 }
 
+// The figures for other programs, from what the views share and from known Gaussians.
+static void test_figures_as_json(void **state) {
+    (void)state;
+    assert_int_equal(run_format(&run, "align %s/tiny -o %s/shared --json", scratch, scratch), 0);
+    json_t *told = json_loads(run.out, 0, NULL);
+    assert_true(json_is_number(json_object_get(told, "across")) && !json_object_get(told, "camera"));
+    json_decref(told);
+    assert_int_equal(
+        run_format(&run, "align %s/tiny -g %s/a.ply -o %s/known --json", scratch, scratch, scratch), 0);
+    told = json_loads(run.out, 0, NULL);
+    assert_true(json_number_value(json_object_get(told, "after")) <=
+                json_number_value(json_object_get(told, "before")));
+    assert_true(json_is_number(json_object_get(json_object_get(told, "projector"), "pixels")));
+    json_decref(told);
+}
+
 static double ratio_of(const FfpView *view) {
     return (double)view->camera.fx / (double)view->projector.fx;
 }
@@ -170,6 +186,7 @@ static void test_refusals_come_before_the_work(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_capture_like_the_given_one),
+        cmocka_unit_test(test_figures_as_json),
         cmocka_unit_test(test_focal_lengths),
         cmocka_unit_test(test_a_bumped_projector),
         cmocka_unit_test(test_refusals_come_before_the_work),
