@@ -1,9 +1,7 @@
 // How much nearer a compensated projection brings what a camera sees to its target.
-//   compensate_report [-m WEIGHTS] [-t TARGET].. [-v VIEWS] [-s STEPS] [-a] [-g] [-p] [-o REPORT.html]
-//   CAPTURE..
+//   compensate_report [-m WEIGHTS] -t TARGET.. [-v VIEWS] [-p] [-o REPORT.html] CAPTURE..
 // -m: weights of the reconstruction (default: the classical initialisation alone). -t: target images. -v: how
-// many views of a capture (default 2). -a: absolute targets with automatic gain (default: light painted on
-// the object). -g: Gaussians only, no photographs for the response. -p: all projectors at once, where several
+// many views of a capture (default 2). -p: all projectors at once, where several
 // views have the same camera and each another projector. Patterns are computed from the reconstruction alone.
 // The judge knows nothing of it: it looks the pattern up at the capture's true depth, black + (white - black)
 // * pattern, with the photographs' black and white. PSNR is over the object's pixels that the projector
@@ -25,6 +23,7 @@
 
 #define TARGETS_MAX 16
 #define PROJECTORS_MAX 4
+#define STEPS 30        // of descent
 #define BRIGHTNESSES 24 // tried for the unwarped projection, each 0.8 times the one before
 
 typedef struct Figures {
@@ -33,8 +32,8 @@ typedef struct Figures {
 
 typedef struct Bench {
     const char *targets[TARGETS_MAX];
-    int n_targets, views, steps;
-    bool photographs, paint, together; // options of the compensation
+    int n_targets, views;
+    bool together; // all projectors at once
     FfpModel *model;
     FfpReport *report;
     FfpRenderSettings settings;
@@ -141,7 +140,7 @@ static double unwarped_psnr(const Bench *bench, const Place *place, const FfpIma
 }
 
 // The target as the judge means it: painted between the photographs under black and white.
-static FfpImage encoded_target(const Bench *bench, const Place *place, const FfpImage *fitted, real gain) {
+static FfpImage encoded_target(const Bench *bench, const Place *place, const FfpImage *fitted) {
     const int black = bench->capture->black, white = bench->capture->white;
     FfpImage target = ffp_image_copy(fitted);
     for (int i = 0; i < 3 * target.width * target.height; i++) {
@@ -151,8 +150,7 @@ static FfpImage encoded_target(const Bench *bench, const Place *place, const Ffp
             const FfpView *v = &bench->capture->views[place->view[k]];
             light += v->images[white].data[i] - v->images[black].data[i];
         }
-        target.data[i] =
-            bench->paint ? first->images[black].data[i] + light * target.data[i] : gain * target.data[i];
+        target.data[i] = first->images[black].data[i] + light * target.data[i];
     }
     ffp_image_to_srgb(&target);
     return target;
@@ -190,26 +188,16 @@ static double judged(const Bench *bench, const Place *place, const FfpProCams *p
     return psnr;
 }
 
-// Every camera of the place is aimed at the target; returns the gain.
-static real aim(const Bench *bench, FfpProCams *procams, const FfpImage *fitted) {
-    for (int c = 0; c < procams->n_camera_views; c++) ffp_procams_aim(procams, c, fitted, NULL);
-    const real gain = bench->paint ? 1 : ffp_procams_brightest(procams);
-    if (bench->paint)
-        ffp_procams_paint(procams);
-    else
-        ffp_procams_scale(procams, gain);
-    return gain;
-}
-
 static void run_case(const Bench *bench, int v, const FfpImage *image, Figures *sum) {
     const FfpView *view = &bench->capture->views[v], *views[PROJECTORS_MAX];
     const Place place = place_of(bench, v);
     for (int k = 0; k < place.count; k++) views[k] = &bench->capture->views[place.view[k]];
-    FfpProCams procams = ffp_procams_new(bench->gaussians, bench->capture, views, place.count,
-                                         &bench->settings, bench->photographs);
+    FfpProCams procams =
+        ffp_procams_new(bench->gaussians, bench->capture, views, place.count, &bench->settings, true);
     FfpImage fitted = ffp_image_resize(image, view->camera.width, view->camera.height);
-    const real gain = aim(bench, &procams, &fitted);
-    FfpImage target = encoded_target(bench, &place, &fitted, gain), picture;
+    for (int c = 0; c < procams.n_camera_views; c++) ffp_procams_aim(&procams, c, &fitted, NULL);
+    ffp_procams_paint(&procams);
+    FfpImage target = encoded_target(bench, &place, &fitted), picture;
     show(bench, view, "target", NAN, &target);
     const double unwarped = unwarped_psnr(bench, &place, image, &target, &picture);
     show(bench, view, "unwarped", unwarped, &picture);
@@ -219,14 +207,14 @@ static void run_case(const Bench *bench, int v, const FfpImage *image, Figures *
     const double own_closed = ffp_procams_psnr(&procams);
     const double closed_psnr = judged(bench, &place, &procams, &target, "closed form");
     const double started = ffp_seconds();
-    ffp_procams_descend(&procams, bench->steps);
+    ffp_procams_descend(&procams, STEPS);
     const double ended = ffp_seconds(), descended = judged(bench, &place, &procams, &target, "descended");
     for (int k = 0; k < place.count; k++) show_pattern(bench, views[k], &procams.projections[k].pattern);
-    printf("%-8s %-18s %6.2f %6.2f %6.2f | predicted %6.2f %6.2f | gain %.3f unlit %.1f dark %.1f bright "
+    printf("%-8s %-18s %6.2f %6.2f %6.2f | predicted %6.2f %6.2f | unlit %.1f dark %.1f bright "
            "%.1f %% | %.1f s\n",
            bench->capture->name, view->id, unwarped, closed_psnr, descended, own_closed,
-           ffp_procams_psnr(&procams), (double)gain, 100 * gamut.unlit, 100 * gamut.too_dark,
-           100 * gamut.too_bright, ended - started);
+           ffp_procams_psnr(&procams), 100 * gamut.unlit, 100 * gamut.too_dark, 100 * gamut.too_bright,
+           ended - started);
     fflush(stdout);
     sum->unwarped += unwarped;
     sum->closed += closed_psnr;
@@ -297,26 +285,22 @@ static int fail(const FfpError *err) {
 }
 
 int main(int argc, char **argv) {
-    Bench bench = {
-        .photographs = true, .paint = true, .views = 2, .steps = 30, .settings = ffp_render_defaults()};
+    Bench bench = {.views = 2, .settings = ffp_render_defaults()};
     const char *weights = NULL, *page = NULL;
     Figures all = {0};
     FfpError err = {0};
-    for (int option; (option = getopt(argc, argv, "m:t:v:s:agpo:")) != -1;) {
+    for (int option; (option = getopt(argc, argv, "m:t:v:po:")) != -1;) {
         if (option == '?') return 2;
         if (option == 'm') weights = optarg;
         if (option == 't' && bench.n_targets < TARGETS_MAX) bench.targets[bench.n_targets++] = optarg;
         if (option == 'v') bench.views = atoi(optarg);
-        if (option == 's') bench.steps = atoi(optarg);
-        if (option == 'a') bench.paint = false;
-        if (option == 'g') bench.photographs = false;
         if (option == 'p') bench.together = true;
         if (option == 'o') page = optarg;
     }
-    if (optind == argc || !bench.n_targets || bench.views < 1 || bench.steps < 0) {
-        fprintf(stderr,
-                "usage: compensate_report [-m WEIGHTS] -t TARGET.. [-v VIEWS] [-s STEPS] [-a] [-g] [-p] "
-                "[-o REPORT.html] CAPTURE..\n");
+    if (optind == argc || !bench.n_targets || bench.views < 1) {
+        fprintf(
+            stderr,
+            "usage: compensate_report [-m WEIGHTS] -t TARGET.. [-v VIEWS] [-p] [-o REPORT.html] CAPTURE..\n");
         return 2;
     }
     if (weights && !(bench.model = ffp_model_open(NULL, weights, &err))) return fail(&err);

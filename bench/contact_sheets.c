@@ -2,20 +2,22 @@
 //   contact_sheets meshes FILE.png      every mesh, grey, under the default rig's lamp
 //   contact_sheets materials FILE.png   every material on a ball, in the colours of two seeds
 //   contact_sheets patterns FILE.png    the natural patterns of the test scenes
-//   contact_sheets tables               histograms of what docs/design/data.md has in figures, as Markdown
+//   contact_sheets figures              the table of docs/design/data.md
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "bench/diversity.h"
 #include "core/base/alloc.h"
+#include "core/base/rng.h"
 #include "world/shapes/mesh.h"
+#include "world/shapes/mesh_measure.h"
 #include "world/synth/material.h"
 #include "world/synth/natural.h"
 #include "world/synth/rig.h"
 #include "world/synth/simulate.h"
 #include "world/synth/stroke.h"
 #include "world/synth/synth.h"
+#include "world/synth/trace.h"
 
 enum { LABEL = 12 };
 
@@ -166,11 +168,135 @@ static bool pattern_sheet(const char *path, FfpError *err) {
     return finish(&s, path, err);
 }
 
+// --- Figures. ---
+
+// Three corners and the normal of a triangle; returns twice its area.
+static float triangle(const FfpMesh *mesh, int t, const float *corner[3], float normal[3]) {
+    float e[2][3], square = 0;
+    for (int k = 0; k < 3; k++) corner[k] = mesh->positions + 3 * (size_t)mesh->triangles[3 * t + k];
+    for (int k = 0; k < 3; k++) e[0][k] = corner[1][k] - corner[0][k], e[1][k] = corner[2][k] - corner[0][k];
+    for (int k = 0; k < 3; k++) {
+        normal[k] = e[0][(k + 1) % 3] * e[1][(k + 2) % 3] - e[0][(k + 2) % 3] * e[1][(k + 1) % 3];
+        square += normal[k] * normal[k];
+    }
+    const float length = sqrtf(square);
+    for (int k = 0; k < 3 && length > 0; k++) normal[k] /= length;
+    return length;
+}
+
+// The area that faces the projector of a stop of the default rig but lies in shadow, as a share of all that
+// faces it; mean over the eight stops.
+static double concavity(const FfpMesh *mesh, const FfpTracer *tracer) {
+    const FfpSceneSpec spec = ffp_scene_defaults();
+    double facing = 0, shadowed = 0;
+    for (int stop = 0; stop < spec.views; stop++) {
+        FfpView view = {0};
+        ffp_rig_input(&spec, stop, &view);
+        for (int t = 0; t < mesh->n_triangles; t++) {
+            const float *corner[3];
+            float normal[3], start[3], way[3], along = 0;
+            const float area = triangle(mesh, t, corner, normal);
+            for (int k = 0; k < 3; k++) {
+                start[k] = (corner[0][k] + corner[1][k] + corner[2][k]) / 3 + 1e-3F * normal[k];
+                way[k] = (float)view.projector.pose[4 * k + 3] - start[k];
+                along += way[k] * normal[k];
+            }
+            if (along <= 0) continue;
+            facing += (double)area;
+            FfpRays ray = {.count = 0};
+            ffp_rays_add(&ray, start, way);
+            if (ffp_trace_blocked(tracer, &ray)) shadowed += (double)area;
+        }
+    }
+    return facing > 0 ? shadowed / facing : 0;
+}
+
+typedef struct Figure {
+    const char *name;
+    int count;
+    double sum, least, most;
+} Figure;
+
+static void add(Figure *f, double value) {
+    f->least = f->count ? fmin(f->least, value) : value;
+    f->most = f->count ? fmax(f->most, value) : value;
+    f->sum += value;
+    f->count++;
+}
+
+static void print(const Figure *figures, int count) {
+    for (int i = 0; i < count; i++)
+        printf("| %s | %.2f | %.2f | %.2f |\n", figures[i].name, figures[i].sum / figures[i].count,
+               figures[i].least, figures[i].most);
+}
+
+static bool mesh_figures(FfpError *err) {
+    Figure f[3] = {{.name = "genus of the meshes"},
+                   {.name = "share of the area facing the projector that lies in shadow"},
+                   {.name = "thousands of triangles"}};
+    for (int m = 0; m < ffp_mesh_count(); m++) {
+        FfpMesh mesh = ffp_mesh_make(m);
+        FfpTracer *tracer = ffp_tracer_new(&mesh, err);
+        if (tracer) {
+            int components = 0;
+            add(&f[0], ffp_mesh_genus(&mesh, &components));
+            add(&f[1], concavity(&mesh, tracer));
+            add(&f[2], mesh.n_triangles / 1000.0);
+        }
+        ffp_tracer_free(tracer);
+        ffp_mesh_free(&mesh);
+        if (!tracer) return false;
+    }
+    print(f, 3);
+    return true;
+}
+
+// Mean, contrast (standard deviation over mean of the luminance), saturation (of the mean colour) and
+// roughness of one material over points of the unit ball.
+static void measure(const FfpMaterial *material, FfpRng *rng, double out[4]) {
+    enum { POINTS = 2000 };
+    double sum = 0, square = 0, colour[3] = {0, 0, 0}, rough = 0;
+    for (int i = 0; i < POINTS; i++) {
+        float p[3], albedo[3], roughness;
+        for (int k = 0; k < 3; k++) p[k] = ffp_rng_range(rng, -0.6F, 0.6F);
+        ffp_material_look(material, p, albedo, &roughness);
+        const double y = 0.2126 * (double)albedo[0] + 0.7152 * (double)albedo[1] + 0.0722 * (double)albedo[2];
+        sum += y;
+        square += y * y;
+        rough += (double)roughness;
+        for (int k = 0; k < 3; k++) colour[k] += (double)albedo[k];
+    }
+    const double mean = sum / POINTS, high = fmax(colour[0], fmax(colour[1], colour[2]));
+    out[0] = mean;
+    out[1] = sqrt(fmax(0, square / POINTS - mean * mean)) / mean;
+    out[2] = 1 - fmin(colour[0], fmin(colour[1], colour[2])) / high;
+    out[3] = rough / POINTS;
+}
+
+static bool figures(FfpError *err) {
+    enum { SEEDS = 8 };
+    Figure f[4] = {{.name = "albedo of the materials (luminance, 8 seeds of each)"},
+                   {.name = "its contrast (standard deviation over mean)"},
+                   {.name = "saturation of the mean colour"},
+                   {.name = "roughness"}};
+    FfpRng rng = ffp_rng(1, 2);
+    if (!mesh_figures(err)) return false;
+    for (int m = 0; m < ffp_material_count(); m++)
+        for (uint64_t seed = 0; seed < SEEDS; seed++) {
+            const FfpMaterial material = ffp_material_make(m, seed);
+            double values[4];
+            measure(&material, &rng, values);
+            for (int i = 0; i < 4; i++) add(&f[i], values[i]);
+        }
+    print(f, 4);
+    return true;
+}
+
 int main(int argc, char **argv) {
     FfpError err = {0};
     bool ok = false;
-    if (argc == 2 && !strcmp(argv[1], "tables"))
-        ok = ffp_print_diversity(&err);
+    if (argc == 2 && !strcmp(argv[1], "figures"))
+        ok = figures(&err);
     else if (argc == 3 && !strcmp(argv[1], "meshes"))
         ok = mesh_sheet(argv[2], &err);
     else if (argc == 3 && !strcmp(argv[1], "materials"))
@@ -178,7 +304,7 @@ int main(int argc, char **argv) {
     else if (argc == 3 && !strcmp(argv[1], "patterns"))
         ok = pattern_sheet(argv[2], &err);
     else {
-        fputs("usage: contact_sheets meshes|materials|patterns FILE.png\n       contact_sheets tables\n",
+        fputs("usage: contact_sheets meshes|materials|patterns FILE.png\n       contact_sheets figures\n",
               stderr);
         return 2;
     }

@@ -1,4 +1,4 @@
-// Forty faults of rigs and captures, put into a capture in memory one at a time: what the checks before the
+// Faults of rigs and captures, put into a capture in memory one at a time: what the checks before the
 // work say of each, and what they cost; then captures without fault, of which nothing may be said. Prints
 // tables in Markdown. The exit status is 1 if a fault is missed or a faultless capture refused.
 //   rig_faults CAPTURE [SCENES [CAPTURE...]]     SCENES: of the test split, from the first on
@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "bench/on_request.h"
+#include <time.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 #include "core/patterns/lollipop.h"
@@ -31,24 +31,27 @@ static int active_of(const FfpCapture *c) {
 
 // --- Devices. ---
 
-static void turn_round(FfpCamera *d) {
+static void turn_round(FfpCamera *d, const FfpCapture *c, real by) {
+    (void)c, (void)by;
     for (int i = 0; i < 3; i++) {
         d->pose[4 * i] = -d->pose[4 * i];
         d->pose[4 * i + 2] = -d->pose[4 * i + 2];
     }
 }
 
-static void put_inside(const FfpCapture *c, FfpCamera *d) {
-    for (int i = 0; i < 3; i++) d->pose[4 * i + 3] = c->centre[i] - 0.1F * c->radius * d->pose[4 * i + 2];
+static void put_inside(FfpCamera *d, const FfpCapture *c, real by) {
+    for (int i = 0; i < 3; i++) d->pose[4 * i + 3] = c->centre[i] - by * c->radius * d->pose[4 * i + 2];
 }
 
-static void move_by(FfpCamera *d, real factor) {
-    for (int i = 0; i < 3; i++) d->pose[4 * i + 3] *= factor;
+static void scale_place(FfpCamera *d, const FfpCapture *c, real by) {
+    (void)c;
+    for (int i = 0; i < 3; i++) d->pose[4 * i + 3] *= by;
 }
 
 // World-to-device in place of device-to-world.
-static void invert(FfpCamera *d) {
+static void invert(FfpCamera *d, const FfpCapture *c, real by) {
     real out[16] = {[15] = 1};
+    (void)c, (void)by;
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++) {
             out[4 * i + k] = d->pose[4 * k + i];
@@ -57,21 +60,25 @@ static void invert(FfpCamera *d) {
     memcpy(d->pose, out, sizeof out);
 }
 
-static void flip_axes(FfpCamera *d) {
+static void flip_axes(FfpCamera *d, const FfpCapture *c, real by) {
+    (void)c, (void)by;
     for (int i = 0; i < 3; i++) {
         d->pose[4 * i + 1] = -d->pose[4 * i + 1];
         d->pose[4 * i + 2] = -d->pose[4 * i + 2];
     }
 }
 
-static void scale_intrinsics(FfpCamera *d, real factor) {
-    d->fx *= factor, d->fy *= factor;
-    d->cx *= factor, d->cy *= factor;
+static void scale_intrinsics(FfpCamera *d, const FfpCapture *c, real by) {
+    (void)c;
+    d->fx *= by, d->fy *= by;
+    d->cx *= by, d->cy *= by;
 }
 
 // About the world's z.
-static void turn_about_z(FfpCamera *d, double degrees) {
-    const real s = (real)sin(degrees * acos(-1.0) / 180), c = (real)cos(degrees * acos(-1.0) / 180);
+static void turn(FfpCamera *d, const FfpCapture *capture, real degrees) {
+    const real s = (real)sin((double)degrees * acos(-1.0) / 180),
+               c = (real)cos((double)degrees * acos(-1.0) / 180);
+    (void)capture;
     for (int k = 0; k < 4; k++) {
         const real x = d->pose[k], y = d->pose[4 + k];
         d->pose[k] = c * x - s * y;
@@ -81,68 +88,16 @@ static void turn_about_z(FfpCamera *d, double degrees) {
 
 #define EVERY_VIEW(c) for (FfpView *v = (c)->views; v < (c)->views + (c)->n_views; v++)
 
-static void camera_behind(FfpCapture *c) {
-    turn_round(&view_of(c, VIEW)->camera);
-}
-static void projector_behind(FfpCapture *c) {
-    turn_round(&view_of(c, VIEW)->projector);
-}
-static void camera_inside(FfpCapture *c) {
-    put_inside(c, &view_of(c, VIEW)->camera);
-}
-static void projector_inside(FfpCapture *c) {
-    put_inside(c, &view_of(c, VIEW)->projector);
-}
-static void cameras_in_millimetres(FfpCapture *c) {
-    EVERY_VIEW(c) move_by(&v->camera, 1000);
-}
-static void projectors_in_millimetres(FfpCapture *c) {
-    EVERY_VIEW(c) move_by(&v->projector, 1000);
-}
-static void cameras_in_metres(FfpCapture *c) {
-    EVERY_VIEW(c) move_by(&v->camera, 0.001F);
-}
-static void cameras_inverted(FfpCapture *c) {
-    EVERY_VIEW(c) invert(&v->camera);
-}
-static void projectors_inverted(FfpCapture *c) {
-    EVERY_VIEW(c) invert(&v->projector);
-}
-static void opengl_axes(FfpCapture *c) {
-    EVERY_VIEW(c) {
-        flip_axes(&v->camera);
-        flip_axes(&v->projector);
-    }
-}
-static void camera_of_half_size(FfpCapture *c) {
-    EVERY_VIEW(c) scale_intrinsics(&v->camera, 0.5F);
-}
-static void camera_of_twice_the_size(FfpCapture *c) {
-    EVERY_VIEW(c) scale_intrinsics(&v->camera, 2);
-}
-static void projector_of_half_size(FfpCapture *c) {
-    EVERY_VIEW(c) scale_intrinsics(&v->projector, 0.5F);
-}
-static void projector_of_twice_the_size(FfpCapture *c) {
-    EVERY_VIEW(c) scale_intrinsics(&v->projector, 2);
-}
-static void one_stop_wrong(FfpCapture *c) {
-    turn_about_z(&view_of(c, VIEW)->camera, 45);
-    turn_about_z(&view_of(c, VIEW)->projector, 45);
-}
-static void steps_too_wide(FfpCapture *c) {
+static void steps_too_wide(FfpCapture *c, int degrees) {
     for (int v = 0; v < c->n_views; v++) {
-        turn_about_z(&view_of(c, v)->camera, 7 * v);
-        turn_about_z(&view_of(c, v)->projector, 7 * v);
+        turn(&view_of(c, v)->camera, c, (real)(degrees * v));
+        turn(&view_of(c, v)->projector, c, (real)(degrees * v));
     }
 }
-static void one_projector_moved(FfpCapture *c) {
-    turn_about_z(&view_of(c, VIEW)->projector, 40);
-}
-static void axis_off(FfpCapture *c) {
+static void axis_off(FfpCapture *c, int percent) {
     EVERY_VIEW(c) {
         for (int i = 0; i < 3; i++) {
-            const real step = 0.3F * c->radius * v->camera.pose[4 * i];
+            const real step = (real)percent / 100 * c->radius * v->camera.pose[4 * i];
             v->camera.pose[4 * i + 3] += step;
             v->projector.pose[4 * i + 3] += step;
         }
@@ -150,6 +105,8 @@ static void axis_off(FfpCapture *c) {
 }
 
 // --- Photographs. ---
+
+typedef enum Move { UPSIDE_DOWN, LEFT, RIGHT, MIRRORED, FLIPPED } Move;
 
 static FfpImage moved_picture(const FfpImage *image, int move) {
     FfpImage out = ffp_image_new(image->width, image->height, image->channels);
@@ -170,6 +127,12 @@ static void replace(FfpImage *image, FfpImage with) {
     *image = with;
 }
 
+static void exchange_pictures(FfpImage *a, FfpImage *b) {
+    const FfpImage kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
 static void move_photographs(FfpCapture *c, int move) {
     FfpView *v = view_of(c, VIEW);
     for (int p = 0; p < c->n_patterns; p++)
@@ -177,89 +140,50 @@ static void move_photographs(FfpCapture *c, int move) {
     replace(&v->coverage, moved_picture(&v->coverage, move));
 }
 
-static void exchange_pictures(FfpImage *a, FfpImage *b) {
-    const FfpImage kept = *a;
-    *a = *b;
-    *b = kept;
-}
-
 static void exchange_views(FfpCapture *c, int a, int b) {
     FfpView *one = view_of(c, a), *other = view_of(c, b);
     for (int p = 0; p < c->n_patterns; p++) exchange_pictures(&one->images[p], &other->images[p]);
     exchange_pictures(&one->coverage, &other->coverage);
 }
-
-static void exchange_patterns(FfpView *v, int a, int b) {
-    exchange_pictures(&v->images[a], &v->images[b]);
+static void exchange_with(FfpCapture *c, int other) {
+    exchange_views(c, VIEW, other);
 }
-
-static void scale_picture(FfpImage *image, real factor, real plus) {
-    for (ptrdiff_t i = 0; i < (ptrdiff_t)3 * image->width * image->height; i++)
-        image->data[i] = fminf(factor * image->data[i] + plus, 1);
-}
-
-static void reverse_channels(FfpImage *image) {
-    for (ptrdiff_t i = 0; i < (ptrdiff_t)image->width * image->height; i++) {
-        const real red = image->data[3 * i];
-        image->data[3 * i] = image->data[3 * i + 2];
-        image->data[3 * i + 2] = red;
-    }
-}
-
-static void upside_down(FfpCapture *c) {
-    move_photographs(c, 0);
-}
-static void turned_left(FfpCapture *c) {
-    move_photographs(c, 1);
-}
-static void turned_right(FfpCapture *c) {
-    move_photographs(c, 2);
-}
-static void mirrored(FfpCapture *c) {
-    move_photographs(c, 3);
-}
-static void flipped(FfpCapture *c) {
-    move_photographs(c, 4);
-}
-static void exchanged(FfpCapture *c) {
-    exchange_views(c, VIEW, OTHER);
-}
-static void neighbours_exchanged(FfpCapture *c) {
-    exchange_views(c, VIEW, VIEW + 1);
-}
-static void reversed_turntable(FfpCapture *c) {
+static void reversed_turntable(FfpCapture *c, int how) {
+    (void)how;
     for (int v = 1; 2 * v < c->n_views; v++) exchange_views(c, v, c->n_views - v);
 }
-static void black_and_white(FfpCapture *c) {
-    EVERY_VIEW(c) exchange_patterns(v, c->black, c->white);
+
+// Photographs under two patterns, in one view or in all.
+typedef enum Pair { BLACK_WHITE, ACTIVE_WHITE, ACTIVE_BLACK } Pair;
+
+static void exchange_patterns(FfpCapture *c, FfpView *v, int pair) {
+    exchange_pictures(&v->images[pair == BLACK_WHITE ? c->black : active_of(c)],
+                      &v->images[pair == ACTIVE_BLACK ? c->black : c->white]);
 }
-static void black_and_white_once(FfpCapture *c) {
-    exchange_patterns(view_of(c, VIEW), c->black, c->white);
+static void exchange_once(FfpCapture *c, int pair) {
+    exchange_patterns(c, view_of(c, VIEW), pair);
 }
-static void white_and_active(FfpCapture *c) {
-    EVERY_VIEW(c) exchange_patterns(v, active_of(c), c->white);
+static void exchange_everywhere(FfpCapture *c, int pair) {
+    EVERY_VIEW(c) exchange_patterns(c, v, pair);
 }
-static void white_and_active_once(FfpCapture *c) {
-    exchange_patterns(view_of(c, VIEW), active_of(c), c->white);
+
+static void active_of_another_view(FfpCapture *c, int other) {
+    exchange_pictures(&view_of(c, VIEW)->images[active_of(c)], &view_of(c, other)->images[active_of(c)]);
 }
-static void black_and_active(FfpCapture *c) {
-    EVERY_VIEW(c) exchange_patterns(v, active_of(c), c->black);
-}
-static void active_of_another_view(FfpCapture *c) {
-    exchange_pictures(&view_of(c, VIEW)->images[active_of(c)], &view_of(c, OTHER)->images[active_of(c)]);
-}
-static void active_taken_twice(FfpCapture *c) {
+static void active_taken_twice(FfpCapture *c, int how) {
     FfpView *v = view_of(c, VIEW);
+    (void)how;
     replace(&v->images[active_of(c)], ffp_image_copy(&v->images[c->white]));
 }
-static void stop_taken_twice(FfpCapture *c) {
+static void stop_taken_twice(FfpCapture *c, int other) {
     for (int p = 0; p < c->n_patterns; p++)
         if (view_of(c, VIEW)->images[p].data)
-            replace(&view_of(c, VIEW)->images[p], ffp_image_copy(&view_of(c, VIEW - 1)->images[p]));
-    replace(&view_of(c, VIEW)->coverage, ffp_image_copy(&view_of(c, VIEW - 1)->coverage));
+            replace(&view_of(c, VIEW)->images[p], ffp_image_copy(&view_of(c, other)->images[p]));
+    replace(&view_of(c, VIEW)->coverage, ffp_image_copy(&view_of(c, other)->coverage));
 }
-static void projector_off(FfpCapture *c) {
+static void projector_off(FfpCapture *c, int how) {
     FfpView *v = view_of(c, VIEW);
+    (void)how;
     for (int p = 0; p < c->n_patterns; p++) {
         if (p == c->black || !v->images[p].data) continue;
         replace(&v->images[p], ffp_image_copy(&v->images[c->black]));
@@ -267,143 +191,195 @@ static void projector_off(FfpCapture *c) {
         v->images[p].data[1] += 1e-4F * (real)(p + 1);
     }
 }
-static void lamp_on(FfpCapture *c) {
-    FfpView *v = view_of(c, VIEW);
+
+// All photographs of a view times the coverage, or lit by it.
+static void by_coverage(FfpCapture *c, FfpView *v, bool lit) {
     for (int p = 0; p < c->n_patterns; p++)
-        for (ptrdiff_t i = 0; v->images[p].data && i < (ptrdiff_t)v->camera.width * v->camera.height; i++)
-            for (int k = 0; k < 3; k++) v->images[p].data[3 * i + k] += 0.5F * v->coverage.data[i];
+        for (ptrdiff_t i = 0; v->images[p].data && i < (ptrdiff_t)3 * v->camera.width * v->camera.height; i++)
+            v->images[p].data[i] = lit ? v->images[p].data[i] + 0.5F * v->coverage.data[i / 3]
+                                       : v->images[p].data[i] * v->coverage.data[i / 3];
 }
-static void overexposed(FfpCapture *c) {
+static void lamp_on(FfpCapture *c, int how) {
+    (void)how;
+    by_coverage(c, view_of(c, VIEW), true);
+}
+
+// Factors and what is added, in thousandths.
+static void expose(FfpCapture *c, int factor, int plus) {
     EVERY_VIEW(c)
     for (int p = 0; p < c->n_patterns; p++)
-        if (v->images[p].data) scale_picture(&v->images[p], 4, 0);
+        for (ptrdiff_t i = 0; v->images[p].data && i < (ptrdiff_t)3 * v->camera.width * v->camera.height; i++)
+            v->images[p].data[i] = fminf((real)factor / 1000 * v->images[p].data[i] + (real)plus / 1000, 1);
 }
-static void underexposed(FfpCapture *c) {
-    EVERY_VIEW(c)
-    for (int p = 0; p < c->n_patterns; p++)
-        if (v->images[p].data) scale_picture(&v->images[p], 0.015F, 0);
+static void exposed(FfpCapture *c, int factor) {
+    expose(c, factor, 0);
 }
-static void bright_room(FfpCapture *c) {
-    EVERY_VIEW(c)
-    for (int p = 0; p < c->n_patterns; p++)
-        if (v->images[p].data) scale_picture(&v->images[p], 0.25F, 0.75F);
+static void bright_room(FfpCapture *c, int plus) {
+    expose(c, 1000 - plus, plus);
 }
-static void mask_inverted(FfpCapture *c) {
+
+static void mask_inverted(FfpCapture *c, int how) {
     FfpImage *mask = &view_of(c, VIEW)->coverage;
+    (void)how;
     for (ptrdiff_t i = 0; i < (ptrdiff_t)mask->width * mask->height; i++) mask->data[i] = 1 - mask->data[i];
 }
-static void mask_empty(FfpCapture *c) {
+static void mask_empty(FfpCapture *c, int how) {
     FfpImage *mask = &view_of(c, VIEW)->coverage;
+    (void)how;
     memset(mask->data, 0, (size_t)mask->width * (size_t)mask->height * sizeof *mask->data);
 }
-static void mask_of_another_view(FfpCapture *c) {
+static void mask_of(FfpCapture *c, int other) {
     FfpView *v = view_of(c, VIEW);
-    replace(&v->coverage, ffp_image_copy(&view_of(c, VIEW - 2)->coverage));
-    for (int p = 0; p < c->n_patterns; p++)
-        for (ptrdiff_t i = 0; v->images[p].data && i < (ptrdiff_t)v->camera.width * v->camera.height; i++)
-            for (int k = 0; k < 3; k++) v->images[p].data[3 * i + k] *= v->coverage.data[i];
+    replace(&v->coverage, ffp_image_copy(&view_of(c, other)->coverage));
+    by_coverage(c, v, false);
 }
-static void channels_reversed(FfpCapture *c) {
+static void channels_reversed(FfpCapture *c, int how) {
+    (void)how;
     EVERY_VIEW(c)
     for (int p = 0; p < c->n_patterns; p++)
-        if (v->images[p].data) reverse_channels(&v->images[p]);
+        for (ptrdiff_t i = 0; v->images[p].data && i < (ptrdiff_t)v->camera.width * v->camera.height; i++) {
+            real *pixel = v->images[p].data + 3 * i;
+            const real red = pixel[0];
+            pixel[0] = pixel[2];
+            pixel[2] = red;
+        }
 }
 
 // --- Patterns. ---
 
-static void mirror_pattern(FfpCapture *c, int move) {
+static void move_pattern(FfpCapture *c, int move) {
     FfpPattern *p = &c->patterns[active_of(c)];
     replace(&p->image, moved_picture(&p->image, move));
 }
-static void pattern_mirrored(FfpCapture *c) {
-    mirror_pattern(c, 3);
-}
-static void pattern_flipped(FfpCapture *c) {
-    mirror_pattern(c, 4);
-}
-static void pattern_turned(FfpCapture *c) {
-    mirror_pattern(c, 0);
-}
-static void another_pattern(FfpCapture *c) {
+static void another_pattern(FfpCapture *c, int how) {
     const int a = active_of(c);
+    (void)how;
     for (int p = 0; p < c->n_patterns; p++)
         if (p != a && p != c->black && p != c->white) {
             exchange_pictures(&c->patterns[p].image, &c->patterns[a].image);
             return;
         }
 }
-static void unknown_pattern(FfpCapture *c) {
+static void unknown_pattern(FfpCapture *c, int square) {
     FfpImage *image = &c->patterns[active_of(c)].image;
     for (ptrdiff_t i = 0; i < (ptrdiff_t)image->width * image->height; i++) {
-        const int x = (int)(i % image->width) / 40, y = (int)(i / image->width) / 40;
+        const int x = (int)(i % image->width) / square, y = (int)(i / image->width) / square;
         for (int k = 0; k < 3; k++) image->data[3 * i + k] = (real)((x * 7 + y * 13 + k * 5) % 11 > 5);
     }
 }
 
 typedef enum Kind { REFUSED, NOTED } Kind;
+enum { CAMERAS = 1, PROJECTORS = 2, ONE = 4 }; // of VIEW alone
 
 static const struct Fault {
     const char *name;
-    void (*put)(FfpCapture *c);
     Kind kind;
     FfpRuleId rule;   // by which it is to be named
     const char *view; // its end; NULL: no view of its own
+    void (*put)(FfpCapture *c, int how);
+    int how;
+    void (*move)(FfpCamera *d, const FfpCapture *c, real by); // of these devices, where put is NULL
+    unsigned devices;
+    real by;
 } faults[] = {
-    {"camera turned away", camera_behind, REFUSED, FFP_RULE_DEVICE_BEHIND, "135"},
-    {"projector turned away", projector_behind, REFUSED, FFP_RULE_DEVICE_BEHIND, "135"},
-    {"camera inside the object", camera_inside, REFUSED, FFP_RULE_DEVICE_INSIDE, "135"},
-    {"projector inside the object", projector_inside, REFUSED, FFP_RULE_DEVICE_INSIDE, "135"},
-    {"cameras' positions in mm", cameras_in_millimetres, REFUSED, FFP_RULE_DEVICE_FAR, NULL},
-    {"projectors' positions in mm", projectors_in_millimetres, REFUSED, FFP_RULE_DEVICE_FAR, NULL},
-    {"cameras' positions in km", cameras_in_metres, REFUSED, FFP_RULE_DEVICE_INSIDE, NULL},
-    {"camera poses inverted", cameras_inverted, REFUSED, FFP_RULE_DEVICE_BEHIND, NULL},
-    {"projector poses inverted", projectors_inverted, REFUSED, FFP_RULE_PROJECTOR_INVERTED, NULL},
-    {"OpenGL's axes", opengl_axes, REFUSED, FFP_RULE_AXES, NULL},
-    {"camera calibrated at half the size", camera_of_half_size, REFUSED, FFP_RULE_CAMERA_SIZE, NULL},
-    {"camera calibrated at twice the size", camera_of_twice_the_size, REFUSED, FFP_RULE_CAMERA_SIZE, NULL},
-    {"projector calibrated at half the size", projector_of_half_size, REFUSED, FFP_RULE_PROJECTOR_SIZE, NULL},
-    {"projector calibrated at twice the size", projector_of_twice_the_size, REFUSED, FFP_RULE_PROJECTOR_SIZE,
-     NULL},
-    {"one stop's angle off by 45 degrees", one_stop_wrong, NOTED, FFP_RULE_NOTE_VIEW_CONTRADICTS, "135"},
-    {"every step 7 degrees too wide", steps_too_wide, NOTED, FFP_RULE_NOTE_VIEWS_CONTRADICT, NULL},
-    {"one view's projector moved by 40 degrees", one_projector_moved, REFUSED, FFP_RULE_PATTERN_NOT_THERE,
-     "135"},
-    {"axis off by a third of the radius", axis_off, NOTED, FFP_RULE_NOTE_VIEWS_CONTRADICT, NULL},
-    {"one view upside down (turned by 180 degrees)", upside_down, REFUSED, FFP_RULE_VIEW_TURNED, "135"},
-    {"one view turned left", turned_left, REFUSED, FFP_RULE_VIEW_TURNED, "135"},
-    {"one view turned right", turned_right, REFUSED, FFP_RULE_VIEW_TURNED, "135"},
-    {"one view mirrored", mirrored, REFUSED, FFP_RULE_VIEW_TURNED, "135"},
-    {"one view mirrored upside down", flipped, REFUSED, FFP_RULE_VIEW_TURNED, "135"},
-    {"two views exchanged", exchanged, REFUSED, FFP_RULE_VIEWS_EXCHANGED, "135"},
-    {"two neighbours exchanged", neighbours_exchanged, REFUSED, FFP_RULE_VIEWS_EXCHANGED, "135"},
-    {"turntable in the other direction", reversed_turntable, REFUSED, FFP_RULE_OTHER_DIRECTION, NULL},
-    {"black and white exchanged", black_and_white, REFUSED, FFP_RULE_EXCHANGED, NULL},
-    {"black and white exchanged in one view", black_and_white_once, REFUSED, FFP_RULE_EXCHANGED, "135"},
-    {"white and pattern exchanged", white_and_active, REFUSED, FFP_RULE_EXCHANGED, NULL},
-    {"white and pattern exchanged in one view", white_and_active_once, REFUSED, FFP_RULE_EXCHANGED, "135"},
-    {"black and pattern exchanged", black_and_active, REFUSED, FFP_RULE_EXCHANGED, NULL},
-    {"two views' photographs of the pattern exchanged", active_of_another_view, REFUSED,
-     FFP_RULE_PATTERN_EXCHANGED, "135"},
-    {"white photographed twice, the pattern not", active_taken_twice, REFUSED, FFP_RULE_SAME_PHOTOGRAPH,
-     "135"},
-    {"one stop photographed twice", stop_taken_twice, NOTED, FFP_RULE_SAME_VIEW, "135"},
-    {"projector off at one stop", projector_off, REFUSED, FFP_RULE_PROJECTOR_DARK, "135"},
-    {"a lamp on at one stop", lamp_on, NOTED, FFP_RULE_LAMP, "135"},
-    {"overexposed by two stops", overexposed, NOTED, FFP_RULE_NOTE_CLIPPED, NULL},
-    {"underexposed by six stops", underexposed, NOTED, FFP_RULE_NOTE_UNDEREXPOSED, NULL},
-    {"a room too bright", bright_room, NOTED, FFP_RULE_BRIGHT_ROOM, NULL},
-    {"one mask inverted", mask_inverted, REFUSED, FFP_RULE_MASK_INVERTED, "135"},
-    {"one mask empty", mask_empty, REFUSED, FFP_RULE_MASK_EMPTY, "135"},
-    {"one view with the mask of another, a quarter turn away", mask_of_another_view, NOTED,
-     FFP_RULE_NOTE_VIEW_CONTRADICTS, "135"},
-    {"red and blue exchanged in all photographs", channels_reversed, REFUSED, FFP_RULE_RED_AND_BLUE, NULL},
-    {"pattern's file mirrored", pattern_mirrored, REFUSED, FFP_RULE_PATTERN_MIRRORED, NULL},
-    {"pattern's file upside down", pattern_flipped, REFUSED, FFP_RULE_PATTERN_MIRRORED, NULL},
-    {"pattern's file turned by 180 degrees", pattern_turned, REFUSED, FFP_RULE_PATTERN_MIRRORED, NULL},
-    {"files of two patterns exchanged", another_pattern, REFUSED, FFP_RULE_OTHER_PATTERN, NULL},
-    {"a pattern that was never shown", unknown_pattern, NOTED, FFP_RULE_NOTE_CHANCE, NULL},
+    {"camera turned away", REFUSED, FFP_RULE_DEVICE_BEHIND, "135", .move = turn_round,
+     .devices = CAMERAS | ONE, .by = 0},
+    {"projector turned away", REFUSED, FFP_RULE_DEVICE_BEHIND, "135", .move = turn_round,
+     .devices = PROJECTORS | ONE, .by = 0},
+    {"camera inside the object", REFUSED, FFP_RULE_DEVICE_INSIDE, "135", .move = put_inside,
+     .devices = CAMERAS | ONE, .by = 0.1F},
+    {"projector inside the object", REFUSED, FFP_RULE_DEVICE_INSIDE, "135", .move = put_inside,
+     .devices = PROJECTORS | ONE, .by = 0.1F},
+    {"cameras' positions in mm", REFUSED, FFP_RULE_DEVICE_FAR, NULL, .move = scale_place, .devices = CAMERAS,
+     .by = 1000},
+    {"projectors' positions in mm", REFUSED, FFP_RULE_DEVICE_FAR, NULL, .move = scale_place,
+     .devices = PROJECTORS, .by = 1000},
+    {"cameras' positions in km", REFUSED, FFP_RULE_DEVICE_INSIDE, NULL, .move = scale_place,
+     .devices = CAMERAS, .by = 0.001F},
+    {"camera poses inverted", REFUSED, FFP_RULE_DEVICE_BEHIND, NULL, .move = invert, .devices = CAMERAS,
+     .by = 0},
+    {"projector poses inverted", REFUSED, FFP_RULE_PROJECTOR_INVERTED, NULL, .move = invert,
+     .devices = PROJECTORS, .by = 0},
+    {"OpenGL's axes", REFUSED, FFP_RULE_AXES, NULL, .move = flip_axes, .devices = CAMERAS | PROJECTORS,
+     .by = 0},
+    {"camera calibrated at half the size", REFUSED, FFP_RULE_CAMERA_SIZE, NULL, .move = scale_intrinsics,
+     .devices = CAMERAS, .by = 0.5F},
+    {"camera calibrated at twice the size", REFUSED, FFP_RULE_CAMERA_SIZE, NULL, .move = scale_intrinsics,
+     .devices = CAMERAS, .by = 2},
+    {"projector calibrated at half the size", REFUSED, FFP_RULE_PROJECTOR_SIZE, NULL,
+     .move = scale_intrinsics, .devices = PROJECTORS, .by = 0.5F},
+    {"projector calibrated at twice the size", REFUSED, FFP_RULE_PROJECTOR_SIZE, NULL,
+     .move = scale_intrinsics, .devices = PROJECTORS, .by = 2},
+    {"one stop's angle off by 45 degrees", NOTED, FFP_RULE_NOTE_VIEW_CONTRADICTS, "135", .move = turn,
+     .devices = CAMERAS | PROJECTORS | ONE, .by = 45},
+    {"every step 7 degrees too wide", NOTED, FFP_RULE_NOTE_VIEWS_CONTRADICT, NULL, .put = steps_too_wide,
+     .how = 7},
+    {"one view's projector moved by 40 degrees", REFUSED, FFP_RULE_PATTERN_NOT_THERE, "135", .move = turn,
+     .devices = PROJECTORS | ONE, .by = 40},
+    {"axis off by a third of the radius", NOTED, FFP_RULE_NOTE_VIEWS_CONTRADICT, NULL, .put = axis_off,
+     .how = 30},
+    {"one view upside down (turned by 180 degrees)", REFUSED, FFP_RULE_VIEW_TURNED, "135",
+     .put = move_photographs, .how = UPSIDE_DOWN},
+    {"one view turned left", REFUSED, FFP_RULE_VIEW_TURNED, "135", .put = move_photographs, .how = LEFT},
+    {"one view turned right", REFUSED, FFP_RULE_VIEW_TURNED, "135", .put = move_photographs, .how = RIGHT},
+    {"one view mirrored", REFUSED, FFP_RULE_VIEW_TURNED, "135", .put = move_photographs, .how = MIRRORED},
+    {"one view mirrored upside down", REFUSED, FFP_RULE_VIEW_TURNED, "135", .put = move_photographs,
+     .how = FLIPPED},
+    {"two views exchanged", REFUSED, FFP_RULE_VIEWS_EXCHANGED, "135", .put = exchange_with, .how = OTHER},
+    {"two neighbours exchanged", REFUSED, FFP_RULE_VIEWS_EXCHANGED, "135", .put = exchange_with,
+     .how = VIEW + 1},
+    {"turntable in the other direction", REFUSED, FFP_RULE_OTHER_DIRECTION, NULL, .put = reversed_turntable,
+     .how = 0},
+    {"black and white exchanged", REFUSED, FFP_RULE_EXCHANGED, NULL, .put = exchange_everywhere,
+     .how = BLACK_WHITE},
+    {"black and white exchanged in one view", REFUSED, FFP_RULE_EXCHANGED, "135", .put = exchange_once,
+     .how = BLACK_WHITE},
+    {"white and pattern exchanged", REFUSED, FFP_RULE_EXCHANGED, NULL, .put = exchange_everywhere,
+     .how = ACTIVE_WHITE},
+    {"white and pattern exchanged in one view", REFUSED, FFP_RULE_EXCHANGED, "135", .put = exchange_once,
+     .how = ACTIVE_WHITE},
+    {"black and pattern exchanged", REFUSED, FFP_RULE_EXCHANGED, NULL, .put = exchange_everywhere,
+     .how = ACTIVE_BLACK},
+    {"two views' photographs of the pattern exchanged", REFUSED, FFP_RULE_PATTERN_EXCHANGED, "135",
+     .put = active_of_another_view, .how = OTHER},
+    {"white photographed twice, the pattern not", REFUSED, FFP_RULE_SAME_PHOTOGRAPH, "135",
+     .put = active_taken_twice, .how = 0},
+    {"one stop photographed twice", NOTED, FFP_RULE_SAME_VIEW, "135", .put = stop_taken_twice,
+     .how = VIEW - 1},
+    {"projector off at one stop", REFUSED, FFP_RULE_PROJECTOR_DARK, "135", .put = projector_off, .how = 0},
+    {"a lamp on at one stop", NOTED, FFP_RULE_LAMP, "135", .put = lamp_on, .how = 0},
+    {"overexposed by two stops", NOTED, FFP_RULE_NOTE_CLIPPED, NULL, .put = exposed, .how = 4000},
+    {"underexposed by six stops", NOTED, FFP_RULE_NOTE_UNDEREXPOSED, NULL, .put = exposed, .how = 15},
+    {"a room too bright", NOTED, FFP_RULE_BRIGHT_ROOM, NULL, .put = bright_room, .how = 750},
+    {"one mask inverted", REFUSED, FFP_RULE_MASK_INVERTED, "135", .put = mask_inverted, .how = 0},
+    {"one mask empty", REFUSED, FFP_RULE_MASK_EMPTY, "135", .put = mask_empty, .how = 0},
+    {"one view with the mask of another, a quarter turn away", NOTED, FFP_RULE_NOTE_VIEW_CONTRADICTS, "135",
+     .put = mask_of, .how = VIEW - 2},
+    {"red and blue exchanged in all photographs", REFUSED, FFP_RULE_RED_AND_BLUE, NULL,
+     .put = channels_reversed, .how = 0},
+    {"pattern's file mirrored", REFUSED, FFP_RULE_PATTERN_MIRRORED, NULL, .put = move_pattern,
+     .how = MIRRORED},
+    {"pattern's file upside down", REFUSED, FFP_RULE_PATTERN_MIRRORED, NULL, .put = move_pattern,
+     .how = FLIPPED},
+    {"pattern's file turned by 180 degrees", REFUSED, FFP_RULE_PATTERN_MIRRORED, NULL, .put = move_pattern,
+     .how = UPSIDE_DOWN},
+    {"files of two patterns exchanged", REFUSED, FFP_RULE_OTHER_PATTERN, NULL, .put = another_pattern,
+     .how = 0},
+    {"a pattern that was never shown", NOTED, FFP_RULE_NOTE_CHANCE, NULL, .put = unknown_pattern, .how = 40},
 };
 enum { FAULTS = sizeof faults / sizeof *faults };
+
+static void put(const struct Fault *fault, FfpCapture *c) {
+    if (fault->put) {
+        fault->put(c, fault->how);
+        return;
+    }
+    for (int v = 0; v < c->n_views; v++) {
+        if (fault->devices & ONE && v != VIEW) continue;
+        if (fault->devices & CAMERAS) fault->move(&view_of(c, v)->camera, c, fault->by);
+        if (fault->devices & PROJECTORS) fault->move(&view_of(c, v)->projector, c, fault->by);
+    }
+}
 
 // --- Looking. ---
 
@@ -428,14 +404,13 @@ static bool check(void *capture, FfpError *err) {
 }
 
 // True if nothing was refused; `said`, `items` and `count` have what was found.
-static bool look(FfpContext *context, FfpCapture *capture, Moment *took) {
+static bool look(FfpContext *context, FfpCapture *capture, double *took) {
     FfpError err = {0};
     ffp_free(items), items = NULL, count = 0;
     said[0] = 0;
-    const Moment began = moment_now();
+    const clock_t began = clock();
     const bool passed = ffp_call_run(context, check, capture, &err) && sound;
-    const Moment ended = moment_now();
-    *took = (Moment){ended.processor - began.processor, ended.wall - began.wall};
+    *took = (double)(clock() - began) / CLOCKS_PER_SEC; // of all threads
     return passed;
 }
 
@@ -455,12 +430,12 @@ static int try_faults(FfpContext *context, const char *path) {
     for (int f = 0; f < FAULTS; f++) {
         FfpCapture capture;
         FfpError err = {0};
-        Moment took;
+        double took;
         if (!ffp_capture_read(&capture, path, &err)) {
             fprintf(stderr, "rig_faults: %s\n", err.text);
             return 1;
         }
-        faults[f].put(&capture);
+        put(&faults[f], &capture);
         const bool passed = look(context, &capture, &took);
         const bool named = is_named(&faults[f], passed);
         missed += !named;
@@ -468,7 +443,7 @@ static int try_faults(FfpContext *context, const char *path) {
                !passed   ? "refused"
                : said[0] ? "noted"
                          : "no",
-               named ? "yes" : "no", 1e3 * took.processor, said);
+               named ? "yes" : "no", 1e3 * took, said);
         fflush(stdout);
         ffp_capture_free(&capture);
     }
@@ -477,13 +452,13 @@ static int try_faults(FfpContext *context, const char *path) {
 }
 
 static int try_sound(FfpContext *context, FfpCapture *capture, const char *name, double *most) {
-    Moment took, all;
+    double took, all;
     whole = false;
     const bool passed = look(context, capture, &took);
     whole = true;
     look(context, capture, &all);
-    *most = fmax(*most, took.processor);
-    if (!passed || said[0]) printf("%s: %s (%.0f ms)\n", name, said, 1e3 * took.processor);
+    *most = fmax(*most, took);
+    if (!passed || said[0]) printf("%s: %s (%.0f ms)\n", name, said, 1e3 * took);
     fflush(stdout);
     return !passed;
 }

@@ -5,17 +5,14 @@
     bench/scaling.py views OUT [--program ...] [--scenes ...] [--rig turntable|free] [--size 128] 1 2 4 8 16 32
 
 Generates the scenes of the test split with these numbers once for each size or count (kept in OUT), reconstructs each of them alone in a process, scores
-it, and prints Markdown: PSNR (dB) of the three protocols, seconds of the stages, peak memory, Gaussians and the size of the PLY; means over the scenes. `sizes`
-also scores the smallest size's pictures enlarged by bicubic interpolation. Needs numpy and Pillow."""
+it, and prints Markdown: PSNR (dB) of the three protocols, seconds of the stages, peak memory, Gaussians and the size of the PLY; means over the scenes."""
 import argparse
 import json
 import os
 import re
 import subprocess
 import sys
-
-import numpy
-from PIL import Image
+from statistics import mean
 
 PROTOCOLS = ("rendering", "novel_pattern", "novel_pose")
 STAGES = ("noise", "matching", "network", "polish")
@@ -50,50 +47,18 @@ def reconstruct(program, capture, ply, steps):
     return figures | {"peak_gb": usage.ru_maxrss / 1e6, "ply_mb": os.path.getsize(ply) / 1e6}
 
 
-def score(program, capture, ply, save):
-    subprocess.run([program, "evaluate", capture, "--gaussians", ply, "--targets", "targets/scene.json", "--save", save, "--json", f"{save}.json"],
+def score(program, capture, ply):
+    subprocess.run([program, "evaluate", capture, "--gaussians", ply, "--targets", "targets/scene.json", "--json", f"{ply}.json"],
                    check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    with open(f"{save}.json", encoding="utf-8") as file:
+    with open(f"{ply}.json", encoding="utf-8") as file:
         return {row["protocol"]: row["psnr"] for row in json.load(file)["rows"]}
 
 
-def read(path):
-    with Image.open(path) as image:
-        rgba = numpy.asarray(image.convert("RGBA"), float) / 255
-    return rgba[..., :3] * rgba[..., 3:]
-
-
-def only_folder(path):
-    (name,) = os.listdir(path)
-    return f"{path}/{name}"
-
-
-def enlarged(small, capture, saved):
-    """PSNR at input and at new poses of another size's pictures, enlarged."""
-    figures = {}
-    for kind, folder in (("input", capture), ("new", f"{capture}/targets")):
-        values = []
-        for name in sorted(os.listdir(saved)):
-            if not os.path.exists(f"{folder}/{name}"):
-                continue
-            truth = read(f"{folder}/{name}")
-            with Image.open(f"{small}/{name}") as image:
-                guess = numpy.asarray(image.convert("RGB").resize(truth.shape[1::-1], Image.BICUBIC), float) / 255
-            values.append(-10 * numpy.log10(((guess - truth) ** 2).mean() + 1e-12))
-        figures[kind] = numpy.mean(values)
-    return figures
-
-
-def one(options, size, views, scene, smallest):
+def one(options, size, views, scene):
     folder = f"{options.out}/{options.rig}_{size}_{views}"
     capture = generate(options.program, folder, scene, size, views, options.rig)
-    ply, save = f"{folder}/{scene}.ply", f"{folder}/pictures_{scene}"
-    figures = reconstruct(options.program, capture, ply, options.steps)
-    figures |= score(options.program, capture, ply, save)
-    if smallest is not None and smallest != size:
-        small = f"{options.out}/{options.rig}_{smallest}_{views}/pictures_{scene}"
-        figures |= {f"bicubic_{k}": v for k, v in enlarged(only_folder(small), capture, only_folder(save)).items()}
-    return figures
+    ply = f"{folder}/{scene}.ply"
+    return reconstruct(options.program, capture, ply, options.steps) | score(options.program, capture, ply)
 
 
 def main():
@@ -108,15 +73,12 @@ def main():
     parser.add_argument("values", type=int, nargs="+")
     options = parser.parse_args()
     columns = ["rendering", "novel_pattern", "novel_pose", "seconds", *STAGES, "peak_gb", "gaussians", "ply_mb"]
-    if options.kind == "sizes":
-        columns += ["bicubic_input", "bicubic_new"]
     print(f"| {options.kind} | " + " | ".join(columns) + " |\n|" + "---|" * (len(columns) + 1), flush=True)
     for value in options.values:
         size, views = (value, 8) if options.kind == "sizes" else (options.size, value)
-        smallest = options.values[0] if options.kind == "sizes" else None
-        rows = [one(options, size, views, int(scene), smallest) for scene in options.scenes.split(",")]
-        means = {c: numpy.mean([row[c] for row in rows]) if c in rows[0] else None for c in columns}
-        cells = ["–" if v is None else f"{v:.0f}" if c == "gaussians" else f"{v:.2f}" for c, v in means.items()]
+        rows = [one(options, size, views, int(scene)) for scene in options.scenes.split(",")]
+        means = {c: mean(row[c] for row in rows) for c in columns}
+        cells = [f"{v:.0f}" if c == "gaussians" else f"{v:.2f}" for c, v in means.items()]
         print(f"| {value} | " + " | ".join(cells) + " |", flush=True)
         with open(f"{options.out}/{options.kind}_{options.rig}_{value}.json", "w", encoding="utf-8") as file:
             json.dump(rows, file, indent=1)

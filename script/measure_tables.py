@@ -213,13 +213,6 @@ def compensation(f):
             + f"\n\nThe least gain over unwarped in any of the {c['cases']} cases is {cell(c['least'], 1)} dB; more steps do not help, since what remains is geometry.")
 
 
-@block
-def degraded(f):
-    d = f["degraded"]
-    return (f"Rendering / novel pattern / novel pose, {d['count']} objects, program {program(f, {'degraded': ''})}:\n\n"
-            + table(["", "network", "as shipped"], [[name, cell(figures[:3], 1), cell(figures[3:], 1)] for name, figures in d["rows"]]))
-
-
 # --- Performance. ---
 
 
