@@ -4,7 +4,7 @@
 #include "core/base/vec.h"
 #include "engine/refine/parameters.h"
 
-enum { AT_ONCE = 8192 };
+enum { AT_ONCE = 2048 };
 #define SLACK 1.5F  // footprints off another splat's plane within which a centre lies on the same surface
 #define FACING 0.5F // least cosine between normals of one surface
 #define STEEP 0.1F  // least cosine of incidence that counts
@@ -32,6 +32,7 @@ typedef struct Thinning {
     int64_t *at;   // [views,height,width] the pixel's splat, -1: none
     Piece *pieces; // [count]
     bool *kept;    // [count]
+    int *turn;     // [count] when its fate is decided: the number of its batch, from 1; 0: not yet
 } Thinning;
 
 static const FfpCamera *camera_of(const Thinning *t, int64_t splat) {
@@ -69,7 +70,8 @@ static Thinning thinning_new(const FfpGaussians *gaussians, const int64_t *pixel
                   area,
                   ffp_alloc((size_t)pixels, sizeof *t.at),
                   ffp_alloc(count, sizeof *t.pieces),
-                  ffp_alloc(count, sizeof *t.kept)};
+                  ffp_alloc(count, sizeof *t.kept),
+                  ffp_alloc(count, sizeof *t.turn)};
     for (int64_t p = 0; p < pixels; p++) t.at[p] = -1;
 #pragma omp parallel for schedule(static)
     for (int64_t i = 0; i < gaussians->count; i++) {
@@ -83,6 +85,7 @@ static void thinning_free(Thinning *t) {
     ffp_free(t->at);
     ffp_free(t->pieces);
     ffp_free(t->kept);
+    ffp_free(t->turn);
 }
 
 // True if splat `a` lies on the surface that splat `b` is a piece of.
@@ -109,8 +112,9 @@ static void drop_repeated(Thinning *t, const real *trust, int first, int second)
 // --- Layers. ---
 
 // How many times the kept splats of view `view` describe the place of a splat: those of the four pixels
-// around it that lie on its surface, each by its share and by how much finer it is.
-static real described_in(const Thinning *t, int64_t splat, int view) {
+// around it that lie on its surface, each by its share and by how much finer it is. `open`, unless NULL,
+// becomes true if one around it is decided in the same batch.
+static real described_in(const Thinning *t, int64_t splat, int view, bool *open) {
     real x, y, sum = 0;
     const real z = ffp_project(&t->capture->views[view].camera, t->gaussians->centre + 3 * splat, &x, &y);
     x -= 0.5F;
@@ -121,7 +125,9 @@ static real described_in(const Thinning *t, int64_t splat, int view) {
     const int64_t first = view * t->area + (int64_t)top * t->width + left;
     for (int n = 0; n < 4; n++) {
         const int64_t other = t->at[first + (n / 2) * t->width + n % 2];
-        if (other < 0 || !t->kept[other] || !same_surface(t, splat, other)) continue;
+        if (other < 0) continue;
+        if (open) *open |= t->turn[other] == t->turn[splat];
+        if (!t->kept[other] || !same_surface(t, splat, other)) continue;
         const real share = (n % 2 ? a : 1 - a) * (n / 2 ? b : 1 - b);
         sum += share * t->pieces[splat].area / t->pieces[other].area;
     }
@@ -129,11 +135,11 @@ static real described_in(const Thinning *t, int64_t splat, int view) {
 }
 
 // In all other views, or as soon as it is `enough`.
-static real described(const Thinning *t, int64_t splat, real enough) {
+static real described(const Thinning *t, int64_t splat, real enough, bool *open) {
     const int own = (int)(t->pixel[splat] / t->area);
     real sum = 0;
     for (int v = 0; v < t->capture->n_views && sum < enough; v++)
-        if (v != own) sum += described_in(t, splat, v);
+        if (v != own) sum += described_in(t, splat, v, open);
     return sum;
 }
 
@@ -144,13 +150,16 @@ static int finer_first(const void *a, const void *b) {
 }
 
 // Which of up to AT_ONCE candidates stay: one after the other, because that depends on which finer ones do,
-// but what those before them all leave out needs no turn.
+// but only those that batches before do not leave out, and that have one of their own batch around them,
+// need to take turns.
 static void choose_some(Thinning *t, const Candidate *candidates, size_t count, real layers) {
-    bool out[AT_ONCE];
+    bool out[AT_ONCE], open[AT_ONCE] = {false};
 #pragma omp parallel for schedule(static)
-    for (size_t i = 0; i < count; i++) out[i] = described(t, candidates[i].splat, layers) >= layers;
-    for (size_t i = 0; i < count; i++)
-        t->kept[candidates[i].splat] = !out[i] && described(t, candidates[i].splat, layers) < layers;
+    for (size_t i = 0; i < count; i++) out[i] = described(t, candidates[i].splat, layers, &open[i]) >= layers;
+    for (size_t i = 0; i < count; i++) {
+        const int64_t splat = candidates[i].splat;
+        t->kept[splat] = !out[i] && (!open[i] || described(t, splat, layers, NULL) < layers);
+    }
 }
 
 static void choose(Thinning *t, double layers) {
@@ -160,6 +169,7 @@ static void choose(Thinning *t, double layers) {
     for (int64_t p = 0; p < pixels; p++)
         if (t->at[p] >= 0) candidates[count++] = (Candidate){t->pieces[t->at[p]].area, t->at[p]};
     if (layers > 0) qsort(candidates, count, sizeof *candidates, finer_first);
+    for (size_t i = 0; i < count; i++) t->turn[candidates[i].splat] = 1 + (int)(i / AT_ONCE);
     for (size_t i = 0; i < count && layers > 0; i += AT_ONCE)
         choose_some(t, candidates + i, count - i < AT_ONCE ? count - i : AT_ONCE, (real)layers);
     for (size_t i = 0; i < count && !(layers > 0); i++) t->kept[candidates[i].splat] = true;
@@ -172,7 +182,7 @@ static void widen(const Thinning *t, real *scale) {
 #pragma omp parallel for schedule(static)
     for (int64_t i = 0; i < t->gaussians->count; i++) {
         if (!t->kept[i]) continue;
-        const real alone = 1 - fmin(described(t, i, 1), 1), width = t->pieces[i].width;
+        const real alone = 1 - fmin(described(t, i, 1, NULL), 1), width = t->pieces[i].width;
         const real tilt = fmin(t->pieces[i].area / (width * width), WIDEST_TILT);
         const real wider = pow(WIDER * sqrt(tilt), alone);
         for (int c = 0; c < 3; c++) scale[3 * i + c] *= c == t->pieces[i].axis ? 1 : wider;
