@@ -17,6 +17,7 @@ install(TARGETS ${modules} LIBRARY DESTINATION ${module_folder} COMPONENT runtim
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ ${PROJECT_BINARY_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN "*.h")
 install(FILES models/small.safetensors models/README.md DESTINATION ${data_folder}/models COMPONENT runtime)
 install(DIRECTORY data/sample data/sculpture DESTINATION ${data_folder} COMPONENT runtime)
+install(FILES data/sun.png DESTINATION ${data_folder} COMPONENT runtime)
 if(TARGET ffprocams_pages)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/pages/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT runtime
           FILES_MATCHING PATTERN "*.1")
