@@ -70,7 +70,7 @@ def readme(f):
 def readme_seconds(f):
     best = f["times"]["level"]
     whole, alone = (f["times"]["rows"][f"{best} {steps}"]["wall"] for steps in ("auto", "0"))
-    return f"The command takes {cell(whole, 1)} s, {cell(alone, 1)} s without the fit (program {program(f, {'times': ''}, timed=True)})."
+    return f"`reconstruct` takes {cell(whole, 1)} s, {cell(alone, 1)} s without the fit (program {program(f, {'times': ''}, timed=True)})."
 
 
 @block
@@ -140,7 +140,7 @@ def photographs(f):
 
 @block
 def walks(f):
-    return f"{f['walks']['count']} scenes of a walking camera (full frame) have {cell(f['walks']['psnr'])} dB, program {program(f, {'walks': ''})}."
+    return f"{f['walks']['count']} scenes of a walking camera, eight places, 88 x 64 pixels, full frame, have {cell(f['walks']['psnr'])} dB, program {program(f, {'walks': ''})}."
 
 
 @block
@@ -182,7 +182,8 @@ def views(f):
 @block
 def steps(f):
     rows = [[f"**{steps}**" if steps == "72" else steps, cell(of["seconds"]), cell(of["psnr"])] for steps, of in f["steps"]["rows"].items()]
-    return (f"Means of the four Cycles captures, program {program(f, {'steps': ''}, timed=True)}; seconds of one reconstruction:\n\n"
+    return (f"Means of the four Cycles captures, program {program(f, {'steps': ''}, timed=True)}"
+            + ("; seconds of one reconstruction" if any(of["seconds"] for of in f["steps"]["rows"].values()) else "") + ":\n\n"
             + table(["steps", "seconds", "as shipped"], rows))
 
 
@@ -199,7 +200,7 @@ def rig(f):
     r = f["rig"]
     return (f"`bench/rig_faults` puts {r['faults']} faults into the sample, one at a time: devices turned, moved, exchanged or in wrong units, wrong calibrations and angles, "
             "views and pictures turned, mirrored or exchanged, lamps, exposure, masks, patterns.\n"
-            f"The checks name {r['named']} of them, with the view where there is one: {r['refused']} are refused, {r['noted']} that people must judge are noted "
+            f"The checks name {r['named']} of them, with the view where there is one: {r['refused']} are refused, and {r['noted']}, which people must judge, are noted "
             f"(program {program(f, {'rig': ''})}).\n"
             f"They take up to {r['ms']} ms of processor time on eight views, and at most {r['sound_ms']} ms without fault: both samples, {r['captures']} captures by Cycles and "
             f"{r['scenes']} test scenes.")
@@ -248,7 +249,7 @@ def kernels(f):
     copied = max(of["peaks"]["copy_gbs"] for of in levels.values())
     fma = ", ".join(f"{of['peaks']['fp32_fma_gflops']:.0f} at `{level}`" for level, of in levels.items() if of["peaks"]["fp32_fma_gflops"])
     pairs = ", ".join(f"{of['peaks']['bf16_tile_gflops']:.0f} at `{level}`" for level, of in levels.items() if "bf16" in level)
-    return (f"`ffprocams bench`, the less of two runs, program {program(f, {'kernels': ''}, timed=True, level=False)}.\n"
+    return (f"`ffprocams bench`, the faster of two runs, program {program(f, {'kernels': ''}, timed=True, level=False)}.\n"
             f"Peaks in GFLOP/s: multiply-adds in fp32 from registers {fma}; products in pairs of bf16 {pairs}; {copied:.0f} GB/s copied.\n"
             "Products, attention and the scan are shares of the arithmetic peak; the others are shares of the copy rate, which arrays in cache exceed.\n\n"
             + table(["kernel: ms, share of the peak", *(f"`{level}`" for level in levels)], by_level(f, "kernels", lambda v: f"{ms(v[0])}, {v[1] * 100:.0f} %"))

@@ -37,7 +37,7 @@ typedef struct FfpEvaluation {
     int64_t polish;     // as FfpReconstruction.polish
     double noise;       // as FfpReconstruction.noise
     double layers;      // as FfpReconstruction.layers
-    const char *save;   // folder for every prediction, <capture>/<view>_<pattern>.png, or NULL
+    const char *save;   // folder for every prediction, CAPTURE/VIEW_PATTERN.png, or NULL
     const char *json;   // file for the rows, or NULL
     const char *report; // file for a self-contained HTML report, or NULL
     // Image file: the report also shows views under it (without truth or figures), or NULL.

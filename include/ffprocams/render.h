@@ -87,7 +87,7 @@ typedef struct FfpPictures {
     // .webm, .mkv, encoded by the program ffmpeg.
     const char *video;
     int rate; // frames per second of the video, 1 to 1000
-    // Folder for <view>_<pattern>.png, or frame_<number>.png with an orbit or a video; created if necessary.
+    // Folder for VIEW_PATTERN.png, or frame_NUMBER.png with an orbit or a video; created if necessary.
     const char *folder;
     // Also write the G-buffers: <view>_depth.exr and .png, _opacity, _normal, _albedo, _roughness, _ambient.
     bool maps;

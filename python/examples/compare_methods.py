@@ -1,4 +1,4 @@
-"""compare_methods.py CAPTURE..: the paper's protocols for methods that are functions from photographs to predictors."""
+"""compare_methods.py TARGETS CAPTURE..: the paper's protocols for methods that are functions from photographs to predictors."""
 import sys
 
 import ffprocams
@@ -25,4 +25,4 @@ def nearest_white(inputs: Inputs) -> Predictor:
 
 
 methods = {"ours": ours, "nearest white": nearest_white}  # put your own beside these
-print(table(run(sys.argv[1:], methods, targets="targets.json")))
+print(table(run(sys.argv[2:], methods, targets=sys.argv[1])))

@@ -99,7 +99,7 @@ def evaluate(
         gaussians: PLY to evaluate instead of reconstructing.
         field: neural field to evaluate instead, as written by `ffprocams refine --from-scratch=field`.
         targets: pose files for "novel_pose": none, one per capture, or one path that is looked up in each capture.
-        save: folder for every prediction, <capture>/<view>_<pattern>.png.
+        save: folder for every prediction, `CAPTURE/VIEW_PATTERN.png`.
         json, report: files for the rows and for an HTML report.
         show_pattern: image file; the report also shows views under it.
         perceptual: safetensors with LPIPS weights.
@@ -177,7 +177,8 @@ def generate(
         preset: "paper" (8 views of 128 x 128 pixels and 6 lollipops), "smoke" (small and quick), "training".
         first, count: scenes of the split; count -1: to the end, or one scene with ``mesh``.
         resolution: image side, pixels; 0: the preset's.
-        rig: "turntable", "free" (each view has its own devices) or "sphere" (only the camera moves).
+        rig: "turntable", "free" (each view has its own devices), "sphere" (only the camera moves), or, for whole
+            scenes, "walk" or "walk-two" (two projectors).
         views: number of input views, 1 to 360; 0: the preset's.
         seed: of the scenes; None: the program's default.
         mesh: OBJ, PLY, STL or glTF file to use instead of the generated meshes.

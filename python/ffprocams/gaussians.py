@@ -364,7 +364,7 @@ class Gaussians(Handle):
         of pictures, G-buffers included. For arrays see Renderer.
 
         Args:
-            folder: for <view>_<pattern>.png, or frame_<number>.png with an orbit or a video; created if necessary.
+            folder: for `VIEW_PATTERN.png`, or `frame_NUMBER.png` with an orbit or a video; created if necessary.
             capture: the capture that the Gaussians come from, or its path; None: ``poses`` names a file.
             views: ids; none: all.
             patterns: names of the capture's patterns, image files or folders of image files; none: white.
