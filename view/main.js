@@ -424,9 +424,11 @@ class App {
   // The camera that a projector's corrected picture is for.
   watcherOf(projector) {
     const view = this.scene.views[projector.watcher];
-    if (view) return view.camera;
-    return {...this.base, pose: this.pose};
+    return view ? view.camera : this.show.seat || this.seat();
   }
+
+  // The camera that looks now.
+  seat() { return {...this.base, pose: this.pose}; }
 
   // The projectors' patterns, where they have changed; while things move, a correction may be `coarse`.
   updatePatterns(coarse = false) {

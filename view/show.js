@@ -17,7 +17,9 @@ function checkCue(cue) {
 }
 
 class Show {
-  constructor(app) { this.app = app, this.cues = [], this.at = -1, this.armed = this.playing = false, this.started = 0, this.fade = null; } // fade: seconds of the next GO in place of its cue's
+  constructor(app) { this.app = app, this.cues = [], this.at = -1, this.armed = this.playing = false, this.started = 0, this.fade = this.seat = null; }
+  // fade: seconds of the next GO in place of its cue's. seat: while the show is armed, the camera that corrections are for, so that the
+  // audience's picture does not follow whoever looks around
 
   // The projectors as they are now, for a cue.
   shown() {
@@ -57,8 +59,9 @@ class Show {
   changed() { this.app.changed('cues'); }
 
   arm(on) {
-    this.armed = on;
-    if (on) say('Armed: Space or Enter is GO.');
+    this.armed = on, this.seat = on ? this.app.seat() : null;
+    this.app.invalidate();
+    if (on) say('Armed: Space or Enter is GO. Corrections keep the place that you look from now.');
     else this.stop();
     this.changed();
   }
@@ -72,7 +75,10 @@ class Show {
     this.fade = null;
     const started = ++this.started, shown = await Promise.all(cue.shown.map((p, i) => layersOf(app, p.layers, app.projectors[i] && app.projectors[i].layers)));
     if (started !== this.started) return app.release(shown.flat().map((layer) => layer.source));
-    if (app.scene.views[cue.pose]) app.jump(app.scene.views[cue.pose], true);
+    if (app.scene.views[cue.pose]) {
+      app.jump(app.scene.views[cue.pose], true);
+      if (this.armed) this.seat = app.seat();
+    }
     shown.forEach((layers, i) => {
       const projector = app.projectors[i], {correction, watcher} = cue.shown[i];
       if (!projector) return app.release(layers.map((layer) => layer.source));

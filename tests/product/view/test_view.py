@@ -726,6 +726,14 @@ def check_cues(check, page):
     page.wait("viewer.show.at === 0")
     check("cues follow each other in a loop", page.run("viewer.show.playing"))
     page.run("viewer.show.stop(); viewer.show.cues = []; viewer.changed('cues'); true")
+    seats = page.run("""(() => {
+        const seat = () => JSON.stringify(viewer.watcherOf(viewer.projector).pose), look = (k) => viewer.setCamera(viewer.scene.views[k].camera.pose);
+        viewer.projector.watcher = 'now', look(0), viewer.show.arm(true);
+        const seats = [seat(), (look(1), seat()), (viewer.show.arm(false), seat())];
+        look(0);
+        return seats;
+    })()""")
+    check("an armed show keeps the place that corrections are for", seats[0] == seats[1] != seats[2])
     page.hold(False)
     page.set("correction", "none")
 
