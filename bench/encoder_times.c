@@ -6,15 +6,11 @@
 // Says "ready" and the CPU level, then reads lines: `run` is answered with the seconds of processor time and
 // of wall clock of a pass, `write FILE` with "written": the last run's outputs, float32 [tokens, dim], and
 // behind them the gradients of the encoder's weights in the order of the file.
-#include <omp.h>
-#include <stdio.h>
-#include <string.h>
-#include <time.h>
 #include "core/base/arena.h"
 #include "core/base/cpu.h"
-#include "core/base/file.h"
 #include "core/tensor/tensor.h"
 #include "engine/network/blocks.h"
+#include "on_request.h"
 
 enum { INPUTS_MAX = 1 << 30 }; // bytes
 
@@ -122,17 +118,12 @@ static void backward(Encoder *e) {
                         e->rows, e->in, dim);
 }
 
-static double processor_seconds(void) {
-    struct timespec time;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
-static void timed_run(Encoder *e) {
-    const double processor = processor_seconds(), wall = omp_get_wtime();
+static void timed_run(void *encoder) {
+    Encoder *e = encoder;
+    const Moment begin = moment_now();
     forward(e);
     if (e->dy) backward(e);
-    printf("%.6f %.6f\n", processor_seconds() - processor, omp_get_wtime() - wall);
+    print_since(&begin, '\n');
 }
 
 // Numbers of a file that must be a whole number of rows of `columns`; *rows 0: as many as the file has.
@@ -169,28 +160,10 @@ static void close_encoder(Encoder *e) {
     ffp_model_free(e->model);
 }
 
-static bool write_outputs(const Encoder *e, const char *path, FfpError *err) {
-    FfpOutput out;
-    if (!ffp_output_open(&out, path, err)) return false;
-    fwrite(e->final, sizeof(real), (size_t)e->rows * (size_t)e->widths.dim, out.stream);
-    if (e->dy) fwrite(e->grad, sizeof(real), (size_t)e->weights, out.stream);
-    return ffp_output_commit(&out, err);
-}
-
-static bool serve(Encoder *e, FfpError *err) {
-    char line[4096];
-    while (fflush(stdout) == 0 && fgets(line, sizeof line, stdin)) {
-        line[strcspn(line, "\n")] = 0;
-        if (strcmp(line, "run") == 0) {
-            timed_run(e);
-        } else if (strncmp(line, "write ", 6) == 0) {
-            if (!write_outputs(e, line + 6, err)) return false;
-            puts("written");
-        } else {
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, line, "neither `run` nor `write FILE`");
-        }
-    }
-    return true;
+static void write_outputs(const void *encoder, FILE *out) {
+    const Encoder *e = encoder;
+    fwrite(e->final, sizeof(real), (size_t)e->rows * (size_t)e->widths.dim, out);
+    if (e->dy) fwrite(e->grad, sizeof(real), (size_t)e->weights, out);
 }
 
 int main(int argc, char **argv) {
@@ -203,7 +176,7 @@ int main(int argc, char **argv) {
     bool ok = ffp_cpu_check(&err) && open_encoder(&encoder, argc, argv, &err);
     if (ok) {
         printf("ready %s\n", ffp_cpu_name(ffp_cpu_level()));
-        ok = serve(&encoder, &err);
+        ok = serve(&(Requests){&encoder, timed_run, write_outputs}, &err);
     }
     close_encoder(&encoder);
     if (!ok) fprintf(stderr, "encoder_times: error: %s\n", err.text);

@@ -13,14 +13,22 @@ if(TARGET ffp_synth)
   target_link_libraries(contact_sheets PRIVATE ffp_synth)
 endif()
 
+# The limits of a reconstruction, found by putting the truth in.
+if(TARGET ffp_train)
+  add_executable(limits EXCLUDE_FROM_ALL bench/limits.c)
+  target_link_libraries(limits PRIVATE ffp_train)
+endif()
+
 # The encoder alone, for comparison with other libraries' form of it (bench/peers).
 if(TARGET ffp_network)
   add_executable(encoder_times EXCLUDE_FROM_ALL bench/encoder_times.c)
   target_link_libraries(encoder_times PRIVATE ffp_network)
 endif()
 
-# The instructions of all kernels (script/test-arm --count).
+# The rasteriser alone, for the same. And the instructions of all kernels (script/test-arm --count).
 if(TARGET ffp_bench)
+  add_executable(splat_times EXCLUDE_FROM_ALL bench/splat_times.c)
+  target_link_libraries(splat_times PRIVATE ffp_bench)
   add_executable(kernel_counts EXCLUDE_FROM_ALL bench/kernel_counts.c)
   target_link_libraries(kernel_counts PRIVATE ffp_bench)
 endif()
