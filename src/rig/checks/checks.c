@@ -168,7 +168,15 @@ static void check_pattern(FfpFindings *found, const FfpCapture *capture) {
                           .z = odd ? fabs(e.odd_across) : e.best});
 }
 
-// --- What moved. ---
+// --- What moved, and what is not sharp. ---
+
+static void check_focus(FfpFindings *found, const FfpCapture *capture) {
+    const int active = ffp_capture_active_pattern(capture, NULL, NULL);
+    double left = 1;
+    const int odd = active < 0 ? -1 : ffp_rig_blurred(capture, active, &left);
+    if (odd < 0 || left >= ffp_rule(FFP_RULE_BLURRED)->limit) return;
+    ffp_found(found, FFP_RULE_BLURRED, &(FfpFacts){.view = capture->views[odd].id, .figure = left});
+}
 
 static void check_surfaces(FfpFindings *found, const FfpCapture *capture) {
     const int active = ffp_capture_active_pattern(capture, NULL, NULL);
@@ -227,6 +235,7 @@ void ffp_rig_checks(FfpFindings *found, const FfpCapture *capture, const FfpCame
     }
     check_pattern(found, capture);
     if (!capture->scene) check_surfaces(found, capture);
+    check_focus(found, capture);
     ffp_rig_lights_free(&lights);
 }
 

@@ -11,7 +11,7 @@
 #define LAMP 3             // times the others' median: ambient light that another lamp made,
 #define LAMP_LEAST 0.05    // and at least so much of full scale
 #define WELL 0.06          // error of colours that are looked up rightly, at most: no more questions then
-#define QUITE_WELL 0.045   // likewise: then they are not asked whether they are sRGB or linear light either
+#define QUITE_WELL 0.03    // likewise: then they are not asked whether they are sRGB or linear light either
 #define BETTER_VALUES 0.7  // of the error as it is, which the other of these must leave
 #define BETTER 0.6         // of the error as it is: what explains so much better is right
 #define ALIKE 0.05         // of white's light, by which photographs of the same differ

@@ -29,6 +29,10 @@ double ffp_rig_unreached(const FfpCapture *capture);
 // hardly any.
 bool ffp_rig_is_darker(const FfpView *view, int a, int b);
 
+// The least sharp view by its photograph under the pattern, and in *left its contrast between neighbouring
+// pixels, as a share of the views' median (focus.c); -1: nothing can be said.
+int ffp_rig_blurred(const FfpCapture *capture, int active, double *left);
+
 // The parts of the object's sphere that the devices see (devices.c).
 typedef struct FfpFrusta {
     double camera, projector; // share of the sphere's surface within the device's field, in the worst view

@@ -22,12 +22,13 @@
 #define FINE 0.025       // in the end
 #define ACROSS 0.26F     // cosine of 75 degrees: cameras farther apart see what they share at grazing angles
 #define STEP 1e-3        // of the derivatives
-#define OVERLAP_LEAST 20 // pixels that both views see: fewer tell nothing,
-#define OVERLAP_SURE 40  // and fewer accuse nobody
-#define BROKEN 0.3       // mean cost of a pair, from which on something may have moved, if
-#define MENDED 0.5       // a motion leaves less than this of it
-#define CLOSED 0.7       // likewise of the pair where the views end that moved
-#define TURNED 0.6       // of the cost under a shift, that a turn must leave less than to be told
+#define OVERLAP_LEAST 20 // pixels that both views see: fewer tell nothing
+#define PATCH ((2 * REACH + 1) * (2 * REACH + 1)) // pixels that share a plane: what they say is one thing
+#define PATCHES_SURE 3 // that both views see, for the three numbers of a shift: fewer accuse nobody
+#define BROKEN 0.3     // mean cost of a pair, from which on something may have moved, if
+#define MENDED 0.5     // a motion leaves less than this of it
+#define CLOSED 0.7     // likewise of the pair where the views end that moved
+#define TURNED 0.6     // of the cost under a shift, that a turn must leave less than to be told
 enum {
     SHIFT,
     TURN = 3,
@@ -43,9 +44,10 @@ typedef struct Pair {
     const FfpCapture *capture; // normalised
     const Surface *surfaces;   // [views]
     int view[2], count[2];
-    size_t *pixel[2]; // [count] of each view, that are compared with the other
+    size_t *pixel[2]; // [count] of each view, that are compared with the other,
+    double step[2];   // one of so many
     double motion[NUMBERS], scale;
-    int seen;             // pixels of one that the other sees as well, before that motion
+    double seen;          // patches that both see, before that motion
     double before, after; // mean costs
 } Pair;
 
@@ -89,19 +91,19 @@ static bool is_there(const Surface *surface, size_t i) {
     return n[0] != 0 || n[1] != 0 || n[2] != 0;
 }
 
-// How far a point of one view's surface, moved to `at`, lies before the other's; INFINITY: that view does not
-// see it.
-static double distance_to(const Pair *pair, int side, const double at[3], const double normal[3]) {
+// How far a point of one view's surface, moved to `at`, lies before the other's, in whose pixel *i it falls;
+// INFINITY: that view does not see it.
+static double distance_to(const Pair *pair, int side, const double at[3], const double normal[3], size_t *i) {
     const Surface *other = &pair->surfaces[pair->view[side]];
     const FfpCamera *camera = &pair->capture->views[pair->view[side]].camera;
     const real point[3] = {(real)at[0], (real)at[1], (real)at[2]};
     real x, y, distance = 0, alike = 0;
     if (!(ffp_project(camera, point, &x, &y) > 0)) return INFINITY;
     if (!(x >= 0 && y >= 0 && x < (real)camera->width && y < (real)camera->height)) return INFINITY;
-    const size_t i = (size_t)y * (size_t)camera->width + (size_t)x;
+    *i = (size_t)y * (size_t)camera->width + (size_t)x;
     for (int k = 0; k < 3; k++) {
-        alike += other->normal[i][k] * (real)normal[k];
-        distance += other->normal[i][k] * (point[k] - other->point[i][k]);
+        alike += other->normal[*i][k] * (real)normal[k];
+        distance += other->normal[*i][k] * (point[k] - other->point[*i][k]);
     }
     return alike > ALIKE && fabs((double)distance) < APART_MOST ? (double)distance : INFINITY;
 }
@@ -122,18 +124,26 @@ static void carry(const double turn[9], const double shift[3], int side, const r
     }
 }
 
+// Of pixel i of the view `side`, before the other's surface. What the other has there must be in this view's
+// sight, too: otherwise it hides the point, as the near side of a thin thing does the far one.
+static double distance_of(const Pair *pair, const double turn[9], const double shift[3], int side, size_t i) {
+    const Surface *own = &pair->surfaces[pair->view[side]], *other = &pair->surfaces[pair->view[1 - side]];
+    double at[3], normal[3];
+    size_t there, back;
+    carry(turn, shift, side, own->point[i], own->normal[i], at, normal);
+    const double distance = distance_to(pair, 1 - side, at, normal, &there);
+    if (!isfinite(distance)) return distance;
+    carry(turn, shift, 1 - side, other->point[there], other->normal[there], at, normal);
+    return isfinite(distance_to(pair, side, at, normal, &back)) ? distance : INFINITY;
+}
+
 // [count[0] + count[1]] How far the points of each view lie before the other's surface.
 static void distances(const Pair *pair, const double motion[NUMBERS], double *out) {
-    double turn[9], at[3], normal[3];
+    double turn[9];
     ffp_rotation_from_vector(motion + TURN, turn);
-    for (int side = 0; side < 2; side++) {
-        const Surface *own = &pair->surfaces[pair->view[side]];
-        for (int n = 0; n < pair->count[side]; n++) {
-            const size_t i = pair->pixel[side][n];
-            carry(turn, motion + SHIFT, side, own->point[i], own->normal[i], at, normal);
-            *out++ = distance_to(pair, 1 - side, at, normal);
-        }
-    }
+    for (int side = 0; side < 2; side++)
+        for (int n = 0; n < pair->count[side]; n++)
+            *out++ = distance_of(pair, turn, motion + SHIFT, side, pair->pixel[side][n]);
 }
 
 static void differences(const void *state, const double *by, double *out) {
@@ -161,20 +171,21 @@ static double weigh(const void *state, const double *found, double *weights) {
 }
 
 // Mean cost of what both views see under a motion, 1 where that is too little; *seen or NULL: how many
-// pixels.
-static double cost_of(const Pair *pair, const double motion[NUMBERS], int *seen) {
+// patches.
+static double cost_of(const Pair *pair, const double motion[NUMBERS], double *seen) {
     const int count = pair->count[0] + pair->count[1];
-    double *found = ffp_alloc((size_t)count + 1, sizeof *found), sum = 0;
+    double *found = ffp_alloc((size_t)count + 1, sizeof *found), sum = 0, pixels = 0;
     int n = 0;
     distances(pair, motion, found);
     for (int i = 0; i < count; i++) {
         const double q = found[i] / FINE;
         if (!isfinite(q)) continue;
         sum += q * q / (1 + q * q);
+        pixels += pair->step[i >= pair->count[0]] / 2; // both see them
         n++;
     }
     ffp_free(found);
-    if (seen) *seen = n;
+    if (seen) *seen = pixels / PATCH;
     return n >= OVERLAP_LEAST ? sum / n : 1;
 }
 
@@ -222,6 +233,7 @@ static Pair pair_new(const FfpCapture *capture, const Surface *surfaces, int fir
         for (size_t i = 0; i < pixels; i++) there += is_there(surface, i);
         const size_t step = there / SAMPLES + 1;
         out.pixel[k] = ffp_alloc(SAMPLES + 1, sizeof *out.pixel[k]);
+        out.step[k] = (double)step;
         for (size_t i = 0; i < pixels; i++)
             if (is_there(surface, i) && seen++ % step == 0) out.pixel[k][out.count[k]++] = i;
     }
@@ -235,7 +247,7 @@ static Pair pair_new(const FfpCapture *capture, const Surface *surfaces, int fir
 // --- Who moved. ---
 
 static bool is_broken(const Pair *pair) {
-    return pair->seen >= OVERLAP_SURE && pair->before > BROKEN && pair->after < MENDED * pair->before;
+    return pair->seen >= PATCHES_SURE && pair->before > BROKEN && pair->after < MENDED * pair->before;
 }
 
 // The pair that the motion back from that of `broken` mends best: there the moved views end; -1: none.
@@ -291,7 +303,7 @@ FfpSlip ffp_rig_slip(const FfpCapture *capture, int active) {
     for (int v = 0; v < n; v++) surfaces[v] = surface_new(&small, v, active);
     for (int v = 0; v < n; v++) {
         pairs[v] = pair_new(&small, surfaces, v, (v + 1) % n);
-        out.compared += pairs[v].seen >= OVERLAP_SURE;
+        out.compared += pairs[v].seen >= PATCHES_SURE;
     }
     explain(&out, pairs, n);
     out.shift *= (double)capture->radius;

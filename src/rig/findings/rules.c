@@ -178,6 +178,14 @@ static const FfpRule rules[FFP_RULES] = {
     [FFP_RULE_BRIGHT_ROOM] = {"bright-room", NOTE, "ambient", "share of the light under white", 0.9,
                               "{figure:.0%} of the light under white remains under black", "darken the room",
                               NULL},
+    // Sound views have 0.7 or more; blur of one pixel (deviation) leaves 0.3 to 0.5.
+    [FFP_RULE_BLURRED] =
+        {"view-blurred", DOUBT, "focus", "of the views' median contrast", 0.6,
+         "view {view} is blurred: between neighbouring pixels the pattern has {figure:.0%} of "
+         "the other views' contrast",
+         "was the camera out of focus or shaken, or the lens misted? Switch autofocus off, "
+         "focus, and photograph this view again",
+         NULL},
     [FFP_RULE_LIT_SHARE] = {"lit-share", OK, LIT_SHARE, NULL, NULL},
     [FFP_RULE_LITTLE_LIT] = {"little-lit", DOUBT, LIT_SHARE,
                              "the masks include background, or the projector is too far to the side: unlit "
@@ -247,8 +255,7 @@ static const FfpRule rules[FFP_RULES] = {
                                      FORCE},
     [FFP_RULE_ENCODING] = {"photographs-encoding", FAULT, "pattern", LOOKUP_ERROR, 0,
                            "the photographs under {a} fit when their values are taken as {b}",
-                           "import them again as that: `--linear images` says that they hold linear light",
-                           FORCE},
+                           "import them again as that: `linear` names what holds linear light", FORCE},
     [FFP_RULE_GREY] = {"photographs-grey", FAULT, "pattern", NULL, 0,
                        "the photographs under {a} have no colour, but the pattern has",
                        "take photographs in colour, or show patterns without any", FORCE},
@@ -391,13 +398,17 @@ static const FfpRule rules[FFP_RULES] = {
                                    "exposure of {x:.0f} stops; if they "
                                    "are sRGB, expose longer",
                                    "linear=images"},
-    [FFP_RULE_CODES_LEFT_OUT] = {"codes-left-out", DOUBT, "codes", NULL, 0,
-                                 "the Gray codes of view '{view}' are left out: {a}", NULL, NULL},
+    [FFP_RULE_CODES_LEFT_OUT] =
+        {"codes-left-out", DOUBT, "codes", NULL, 0, "the Gray codes of view '{view}' are left out: {a}",
+         "photograph them again, or go on: this view's depth then comes from the pattern", NULL},
     [FFP_RULE_RESPONSE] =
         {"response-not-kept", DOUBT, "response", NULL, 0,
          "the projector's response is not kept (gamma {a}): with it the pattern explains views held out no "
          "better, {x:.1f} dB, than the {y:.1f} without; patterns count as {b}",
-         NULL, NULL},
+         "if the projector was calibrated, go on; otherwise photograph a pattern with middling values "
+         "without "
+         "clipped pixels, and check the poses",
+         NULL},
     [FFP_RULE_TAGS_DIFFER] =
         {"orientation-tags-differ", FAULT, "photographs", NULL, 0,
          "photographs of {a} are tagged as {b}, those of the others as {c}",
@@ -542,14 +553,15 @@ static const FfpRule rules[FFP_RULES] = {
          "mirrors its pictures; or the coarsest code of the columns, or of the rows, is "
          "swapped with its inverse, or columns are swapped with rows",
          NULL},
-    [FFP_RULE_ATTITUDE] = {"attitudes-left-out", DOUBT, "calibration", NULL, 0, "{a} left out: {b}", NULL,
-                           NULL},
+    [FFP_RULE_ATTITUDE] = {"attitudes-left-out", DOUBT, "calibration", NULL, 0, "{a} left out: {b}",
+                           "photograph it again, or go on without it", NULL},
     [FFP_RULE_FOCAL] = {"focal-uncertain", DOUBT, FOCAL, "take more attitudes, tilted more", NULL},
     [FFP_RULE_AXIS_UNIT] = {"axis-unit", DOUBT, "calibration", NULL, 0,
                             "camera and projector are {x:.3g} apart, but the turntable's axis {y:.3g} away",
                             "are both in one unit (metres, millimetres)?", NULL},
     [FFP_RULE_PLACE_LEFT_OUT] = {"place-left-out", DOUBT, "calibration", NULL, 0,
-                                 "the camera's place '{view}' is left out: {a}", NULL, NULL},
+                                 "the camera's place '{view}' is left out: {a}",
+                                 "photograph it again, nearer to another place, or go on without it", NULL},
     [FFP_RULE_STOP_LEFT_OUT] = {"stop-left-out", DOUBT, "calibration", NULL, 0,
                                 "the turntable's stop '{view}' is left out: {a}",
                                 "photograph it again, or go on without it: an import leaves it out, too",

@@ -49,6 +49,7 @@ typedef enum FfpRuleId {
     FFP_RULE_PROJECTOR_DARK,
     FFP_RULE_LAMP,
     FFP_RULE_BRIGHT_ROOM,
+    FFP_RULE_BLURRED,
     FFP_RULE_LIT_SHARE,
     FFP_RULE_LITTLE_LIT,
     // The rig, against those that the shipped model was trained on: ok, and far from that.

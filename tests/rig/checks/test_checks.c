@@ -190,6 +190,15 @@ static void test_slipped(void **state) {
     assert_true(slip.pairs > 2 && slip.pair >= 1 && slip.pair <= 4 && slip.first == -1);
 }
 
+// A view through a lens that spreads each point over its neighbours.
+static void test_out_of_focus(void **state) {
+    (void)state;
+    FfpView *view = &capture.views[5];
+    const int shown[3] = {capture.black, capture.white, ffp_capture_active_pattern(&capture, NULL, NULL)};
+    for (int k = 0; k < 3; k++) ffp_image_blur(&view->images[shown[k]], 1.2F);
+    must_doubt(FFP_RULE_BLURRED, "path_0_theta225");
+}
+
 // A mask in which a hand is left.
 static void test_hand_in_a_mask(void **state) {
     (void)state;
@@ -379,6 +388,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_few_pixels, setup, teardown),
         cmocka_unit_test_setup_teardown(test_outliers, setup, teardown),
         cmocka_unit_test_setup_teardown(test_slipped, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_out_of_focus, setup, teardown),
         cmocka_unit_test_setup_teardown(test_hand_in_a_mask, setup, teardown),
         cmocka_unit_test_setup_teardown(test_projector_off, setup, teardown),
         cmocka_unit_test_setup_teardown(test_projector_counted_otherwise, setup, teardown),

@@ -2,6 +2,7 @@
 #include <math.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
+#include "core/base/vec.h"
 #include "core/image/srgb_formula.h"
 #include "rig/checks/found.h"
 #include "rig/checks/hypotheses.h"
@@ -93,29 +94,33 @@ static void three_views_upside_down(void **state) {
     assert_non_null(strstr(must_find(FFP_RULE_VIEW_TURNED, NULL)->text, "180"));
 }
 
-// The projector's R and T as from it to the camera.
-static void motion_from_projector_to_camera(void **state) {
-    (void)state;
-    for (int v = 0; v < capture.n_views; v++) {
-        FfpView *view = &capture.views[v];
-        const real *c = view->camera.pose, *p = view->projector.pose;
-        double to_projector[12], pose[12];
-        for (int i = 0; i < 3; i++) // R and T of X_projector = R X_camera + T
-            for (int k = 0; k < 4; k++) {
-                to_projector[4 * i + k] = 0;
-                for (int j = 0; j < 3; j++)
-                    to_projector[4 * i + k] +=
-                        (double)p[4 * j + i] *
-                        (k < 3 ? (double)c[4 * j + k] : (double)(c[4 * j + 3] - p[4 * j + 3]));
+// The projector's motion from the camera, X_projector = R X_camera + T: the inverse of what was meant, or
+// with R transposed.
+static void motion_of_the_projector(void **state) {
+    for (int transposed = 0; transposed < 2; transposed++) {
+        teardown(state);
+        assert_int_equal(setup(state), 0);
+        for (int v = 0; v < capture.n_views; v++) {
+            const real *c = capture.views[v].camera.pose;
+            real *p = capture.views[v].projector.pose, r[9] = {0}, t[3] = {0};
+            for (int i = 0; i < 9; i++)
+                for (int j = 0; j < 3; j++) r[i] += p[4 * j + i / 3] * c[4 * j + i % 3];
+            for (int i = 0; i < 9; i++)
+                t[i / 3] += p[4 * (i % 3) + i / 3] * (c[4 * (i % 3) + 3] - p[4 * (i % 3) + 3]);
+            // The camera's pose times (R, T), or times the inverse of (R^T, T), which is (R, -R T).
+            if (transposed) {
+                const real turned[3] = {-ffp_dot3(r, t), -ffp_dot3(r + 3, t), -ffp_dot3(r + 6, t)};
+                memcpy(t, turned, sizeof t);
             }
-        for (int i = 0; i < 3; i++) // taken for the projector's pose beside the camera
-            for (int k = 0; k < 4; k++) {
-                pose[4 * i + k] = k == 3 ? (double)c[4 * i + 3] : 0;
-                for (int j = 0; j < 3; j++) pose[4 * i + k] += (double)c[4 * i + j] * to_projector[4 * j + k];
+            for (int i = 0; i < 3; i++) {
+                for (int k = 0; k < 3; k++)
+                    p[4 * i + k] = c[4 * i] * r[k] + c[4 * i + 1] * r[3 + k] + c[4 * i + 2] * r[6 + k];
+                p[4 * i + 3] = c[4 * i + 3] + ffp_dot3(c + 4 * i, t);
             }
-        for (int i = 0; i < 12; i++) view->projector.pose[i] = (real)pose[i];
+        }
+        assert_non_null(
+            strstr(must_name(FFP_RULE_PROJECTOR_INVERTED, NULL)->text, transposed ? "rotation" : "poses"));
     }
-    must_name(FFP_RULE_PROJECTOR_INVERTED, NULL);
 }
 
 static void two_views_exchanged(void **state) {
@@ -233,15 +238,18 @@ static FfpImage *shown(FfpView *view, int k) {
     return &view->images[patterns[k]];
 }
 
-// Photographs in linear light that were read as sRGB.
+// Photographs in linear light that were read as sRGB, and in sRGB that were read as linear light.
 static void values_taken_for_others(void **state) {
-    (void)state;
-    for (int i = 0; i < 3 * 8; i++) {
-        FfpImage *image = shown(&capture.views[i / 3], i % 3);
-        for (int k = 0; k < 3 * image->width * image->height; k++)
-            image->data[k] = ffp_srgb_decode(image->data[k]);
+    for (int variant = 0; variant < 2; variant++) {
+        teardown(state);
+        assert_int_equal(setup(state), 0);
+        for (int i = 0; i < 3 * 8; i++) {
+            FfpImage *image = shown(&capture.views[i / 3], i % 3);
+            for (int k = 0; k < 3 * image->width * image->height; k++)
+                image->data[k] = variant ? ffp_srgb_encode(image->data[k]) : ffp_srgb_decode(image->data[k]);
+        }
+        assert_non_null(strstr(must_name(FFP_RULE_ENCODING, NULL)->text, variant ? "sRGB" : "linear light"));
     }
-    assert_non_null(strstr(must_name(FFP_RULE_ENCODING, NULL)->text, "linear light"));
 }
 
 static void a_camera_without_colour(void **state) {
@@ -383,7 +391,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(nothing_is_wrong, setup, teardown),
         cmocka_unit_test_setup_teardown(one_view_turned_or_mirrored, setup, teardown),
         cmocka_unit_test_setup_teardown(three_views_upside_down, setup, teardown),
-        cmocka_unit_test_setup_teardown(motion_from_projector_to_camera, setup, teardown),
+        cmocka_unit_test_setup_teardown(motion_of_the_projector, setup, teardown),
         cmocka_unit_test_setup_teardown(all_views_mirrored, setup, teardown),
         cmocka_unit_test_setup_teardown(two_views_exchanged, setup, teardown),
         cmocka_unit_test_setup_teardown(a_turntable_that_turned_the_other_way, setup, teardown),
