@@ -66,7 +66,7 @@ static int run(void *data) {
         return FFP_EXIT_OK;
     }
     const int status = ffp_cli_fail_patterns(&err, &arguments->patterns);
-    const char *option = ffp_cli_import_option(&err);
+    const char *option = err.finding ? NULL : ffp_cli_import_option(&err); // a finding says what to do
     if (option) fprintf(stderr, "ffprocams: for %s see: ffprocams import --help\n", option);
     return status;
 }

@@ -185,9 +185,17 @@ static void check_surfaces(FfpFindings *found, const FfpCapture *capture) {
     if (slip.compared == 0) return;
     const int first = slip.first < 0 ? slip.pair : slip.first,
               last = slip.first < 0 ? (slip.pair + 1) % capture->n_views : slip.last;
-    const FfpCase c = {
-        .capture = capture, .active = active, .view = first, .compared = slip.compared, .enough = 1};
-    if (slip.pairs > 1 && !ffp_hypotheses_try(found, FFP_VIEW_BY_DEPTH, &c)) return;
+    FfpSummed pattern = ffp_summed_new(&capture->patterns[active].image);
+    const FfpCase c = {.capture = capture,
+                       .active = active,
+                       .pattern = &pattern,
+                       .view = first,
+                       .compared = slip.compared,
+                       .enough = 1};
+    const bool explained = slip.pairs > 1 && !(ffp_hypotheses_try(found, FFP_VIEWS_BY_DEPTH, &c) &&
+                                               ffp_hypotheses_try(found, FFP_VIEW_BY_DEPTH, &c));
+    ffp_summed_free(&pattern);
+    if (explained) return;
     char turned[64] = "";
     if (slip.turn > 0) snprintf(turned, sizeof turned, ", turned by %.0f degrees", slip.turn);
     look(found, slip.pairs == 0, FFP_RULE_SURFACES,

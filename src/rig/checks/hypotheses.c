@@ -195,9 +195,12 @@ static FfpRuleId tell_reversal(const FfpCase *c, int variant, FfpFacts *facts) {
 static const real sizes[2] = {0.5F, 2};
 static const char *const size_names[2] = {"half", "twice"};
 
+// Half and twice; and with the object's bounds estimated again, which may come from the wrong size.
 static bool suppose_camera_size(Trial *t, const FfpCase *c, int variant) {
     (void)c;
-    for (int v = 0; v < t->capture.n_views; v++) scale_device(&t->capture.views[v].camera, sizes[variant]);
+    for (int v = 0; v < t->capture.n_views; v++)
+        scale_device(&t->capture.views[v].camera, sizes[variant % 2]);
+    if (variant > 1) ffp_capture_estimate_bounds(&t->capture);
     return true;
 }
 
@@ -222,7 +225,7 @@ static bool size_agrees(const FfpCase *c, int variant) {
 
 static FfpRuleId tell_camera_size(const FfpCase *c, int variant, FfpFacts *facts) {
     (void)c;
-    facts->a = size_names[variant];
+    facts->a = size_names[variant % 2];
     return FFP_RULE_CAMERA_SIZE;
 }
 
@@ -348,7 +351,7 @@ static FfpRuleId tell_encoding(const FfpCase *c, int variant, FfpFacts *facts) {
     return FFP_RULE_ENCODING;
 }
 
-// Half and twice; and with the object's bounds estimated again, which may come from the wrong size.
+// Likewise.
 static bool suppose_projector_size(Trial *t, const FfpCase *c, int variant) {
     (void)c;
     for (int v = 0; v < t->capture.n_views; v++)
@@ -521,12 +524,14 @@ static const struct Hypothesis {
     {FFP_VIEWS_BY_LIGHT, 1, suppose_red_and_blue, NULL, NULL, tell_red_and_blue},
     {FFP_VIEWS_BY_LIGHT, 4, suppose_projector_size, NULL, enough_to_reach, tell_projector_size},
     {FFP_VIEWS_BY_LIGHT, 3, suppose_inverted, NULL, NULL, tell_inverted},
+    {FFP_VIEWS_BY_LIGHT, 4, suppose_camera_size, NULL, NULL, tell_camera_size},
     {FFP_VALUES_BY_LIGHT, 2, suppose_encoding, encoding_agrees, NULL, tell_encoding},
     {FFP_VIEWS_BY_LIGHT, FFP_PATTERNS_MAX, suppose_pattern, pattern_agrees, NULL, tell_pattern},
     {FFP_VIEW_BY_LIGHT, MISHAPS, suppose_mishap_alone, mishap_fits, NULL, tell_mishap},
     {FFP_VIEW_BY_LIGHT, FFP_VIEWS_MAX, suppose_photograph, photograph_agrees, NULL, tell_photograph},
     {FFP_VIEW_BY_LIGHT, FFP_PATTERNS_MAX, suppose_pattern_once, NULL, NULL, tell_pattern_once},
     {FFP_VIEW_BY_LIGHT, FACTORS, suppose_exposure, NULL, NULL, tell_exposure},
+    {FFP_VIEWS_BY_DEPTH, 1, suppose_reversal, NULL, NULL, tell_reversal},
     {FFP_VIEW_BY_DEPTH, EXCHANGES, suppose_exchange_of_one, exchange_agrees, NULL, tell_exchange_of_one},
 };
 
@@ -545,7 +550,7 @@ static double left_by(const struct Hypothesis *h, const FfpCase *c, int variant,
     if (h->suppose(&t, c, variant)) {
         const bool by_shape = h->evidence == FFP_VIEW_BY_SHAPE || h->evidence == FFP_VIEWS_BY_SHAPE;
         left = by_shape                           ? ffp_rig_misfit_below(&t.capture, c->enough)
-               : h->evidence == FFP_VIEW_BY_DEPTH ? pairs_apart(&t, c)
+               : h->evidence >= FFP_VIEW_BY_DEPTH ? pairs_apart(&t, c)
                                                   : light_in(&t, c);
         // Mirrored photographs and a mirrored pattern look alike from above the projector.
         if (h->suppose == suppose_mirror && variant >= PHOTOGRAPHS_ACROSS) left /= CLEARLY;

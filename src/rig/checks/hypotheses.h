@@ -14,6 +14,7 @@ typedef enum FfpEvidence {
     FFP_VIEW_BY_LIGHT,   // one
     FFP_VALUES_BY_LIGHT, // what the values of all photographs stand for
     FFP_VIEW_BY_DEPTH,   // one, by the surfaces that each view's light gives: the pairs that lie apart
+    FFP_VIEWS_BY_DEPTH,  // all
 } FfpEvidence;
 
 typedef struct FfpCase {

@@ -7,7 +7,9 @@
 #include "rig/import/import_steps.h"
 #include "rig/masks/masks.h"
 
-#define LATE_TIMES 1.5 // brighter than any other photograph: what must be white itself
+#define LATE_TIMES 1.5     // brighter than any other photograph: what must be white itself
+#define SWAPPED_TIMES 10   // as much light as white adds, it takes away, and
+#define SWAPPED_LEAST 1e-3 // so much of full scale in the mean: white is black
 
 static bool load_mask(FfpImporting *import, int stop, FfpError *err) {
     const char *path = import->shots.masks[stop];
@@ -54,6 +56,17 @@ static bool tell_late(const FfpImporting *import, int stop, FfpError *err) {
                        err);
 }
 
+// True if white is darker than black, as only exchanged photographs are.
+static bool is_swapped(const FfpImage *black, const FfpImage *white) {
+    const ptrdiff_t values = 3 * (ptrdiff_t)white->width * white->height;
+    double added = 0, taken = 0;
+    for (ptrdiff_t i = 0; i < values; i++) {
+        const double by = (double)(white->data[i] - black->data[i]);
+        *(by > 0 ? &added : &taken) += fabs(by);
+    }
+    return taken > SWAPPED_TIMES * added && taken > SWAPPED_LEAST * (double)values;
+}
+
 // The mask as it was asked for: later, from the empty stage; a file; otherwise the white picture's alpha
 // channel, unless Otsu's was named; otherwise Otsu's. Pictures that are over black by an alpha channel of
 // their own are left alone in the second case.
@@ -62,6 +75,9 @@ bool ffp_importing_cover(FfpImporting *import, int stop, const FfpImage *alphas,
     FfpView *view = &import->capture.views[stop];
     const bool by_alpha = !shots->masks && !shots->empty && import->settings->masks == FFP_MASKS_FROM_ALPHA &&
                           alphas[shots->white].data != NULL;
+    if (is_swapped(&view->images[shots->black], &view->images[shots->white]))
+        return ffp_fail_by(FFP_RULE_PLAIN_SWAPPED, &(FfpFacts){0},
+                           shots->pictures[stop * FFP_PATTERNS_MAX + shots->white], err);
     if (shots->empty) {
         view->coverage = ffp_image_new(view->camera.width, view->camera.height, 1);
         import->made[stop] = true; // when all views are known

@@ -82,8 +82,10 @@ bool ffp_node_matrix_of(const FfpNode *field, int rows, int cols, double *values
     if (!ffp_node_matrix(field, &matrix, err)) return false;
     const bool flat = (matrix.cols == 1 || matrix.rows == 1) && matrix.rows * matrix.cols == rows * cols;
     if (!flat && (matrix.rows != rows || matrix.cols != cols)) {
-        return ffp_node_fail(field, err, "matrix has %d x %d numbers, expected %d x %d", matrix.rows,
-                             matrix.cols, rows, cols);
+        const bool vector = rows == 3 && cols == 3 && matrix.rows * matrix.cols == 3;
+        return ffp_node_fail(field, err, "matrix has %d x %d numbers, expected %d x %d%s", matrix.rows,
+                             matrix.cols, rows, cols,
+                             vector ? ": cv2.Rodrigues makes a matrix of a rotation vector" : "");
     }
     memcpy(values, matrix.values, (size_t)(rows * cols) * sizeof *values);
     return true;

@@ -303,6 +303,28 @@ static void two_views_exchanged_by_their_surfaces(void **state) {
     must_find(FFP_RULE_VIEWS_EXCHANGED, capture.views[VIEW].id);
 }
 
+// A vase turned the other way, and a camera's size where silhouettes do not tell: by surfaces and by light.
+static void what_silhouettes_do_not_tell(void **state) {
+    const int active = ffp_capture_active_pattern(&capture, NULL, NULL);
+    FfpCase c = {.capture = &capture, .active = active, .view = -1, .compared = 8, .enough = 1};
+    FfpSummed pattern = ffp_summed_new(&capture.patterns[active].image);
+    c.pattern = &pattern;
+    ffp_findings_free(&found);
+    for (int v = 1; v < 4; v++) exchange_photographs(&capture.views[v], &capture.views[8 - v]);
+    assert_false(ffp_hypotheses_try(&found, FFP_VIEWS_BY_DEPTH, &c));
+    must_find(FFP_RULE_OTHER_DIRECTION, NULL);
+    teardown(state);
+    assert_int_equal(setup(state), 0);
+    for (int v = 0; v < capture.n_views; v++) {
+        FfpCamera *d = &capture.views[v].camera;
+        d->fx *= 2, d->fy *= 2, d->cx *= 2, d->cy *= 2;
+    }
+    c.enough = 0.5 * ffp_error_of(&capture, active, (FfpGuess){.pattern = &pattern});
+    assert_false(ffp_hypotheses_try(&found, FFP_VIEWS_BY_LIGHT, &c));
+    must_find(FFP_RULE_CAMERA_SIZE, NULL);
+    ffp_summed_free(&pattern);
+}
+
 static void calibrations_of_another_size(void **state) {
     (void)state;
     for (int v = 0; v < capture.n_views; v++) {
@@ -404,6 +426,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(one_photograph_exposed_otherwise, setup, teardown),
         cmocka_unit_test_setup_teardown(a_baseline_in_another_unit, setup, teardown),
         cmocka_unit_test_setup_teardown(two_views_exchanged_by_their_surfaces, setup, teardown),
+        cmocka_unit_test_setup_teardown(what_silhouettes_do_not_tell, setup, teardown),
         cmocka_unit_test_setup_teardown(calibrations_of_another_size, setup, teardown),
         cmocka_unit_test_setup_teardown(masks_that_are_none, setup, teardown),
         cmocka_unit_test_setup_teardown(devices_where_they_cannot_be, setup, teardown),

@@ -124,6 +124,17 @@ static void take_all(void) {
     }
 }
 
+// Black (-2), white (-1) or code number i, in two folders.
+static const char *shot(const char *plain, const char *codes, int i) {
+    char name[64];
+    snprintf(name, sizeof name,
+             i == -2   ? "%sblack.png"
+             : i == -1 ? "%swhite.png"
+                       : "%s%03d.png",
+             i < 0 ? plain : codes, i);
+    return in_scratch(name);
+}
+
 // --- The import. ---
 
 static void put_matrix(FILE *out, const char *name, int rows, int cols, const double *values) {
@@ -440,18 +451,10 @@ static void test_linear_photographs(void **state) {
     assert_true(ffp_make_folders(in_scratch("linear"), NULL));
     for (int i = -2; i < ffp_gray_photographs(PANEL_WIDTH, PANEL_HEIGHT); i++) {
         FfpImage image;
-        char from[64], to[300];
-        snprintf(from, sizeof from, i == -2 ? "black.png" : i == -1 ? "white.png" : "photos/%03d.png", i);
-        snprintf(to, sizeof to, "%s", in_scratch(from));
-        assert_true(ffp_image_read_over_black(&image, NULL, to, NULL));
+        assert_true(ffp_image_read_over_black(&image, NULL, shot("", "photos/", i), NULL));
         // A sixteenth, as 12 bits are in files of 16.
         for (int k = 0; k < 3 * image.width * image.height; k++) image.data[k] /= 16;
-        snprintf(from, sizeof from,
-                 i == -2   ? "linear/black.png"
-                 : i == -1 ? "linear/white.png"
-                           : "linear/%03d.png",
-                 i);
-        assert_true(ffp_image_write_png(&image, in_scratch(from), NULL));
+        assert_true(ffp_image_write_png(&image, shot("linear/", "linear/", i), NULL));
         ffp_image_free(&image);
     }
     snprintf(call->black, sizeof call->black, "%s/linear/black.png", scratch);
@@ -472,15 +475,14 @@ static void test_noisy_photographs(void **state) {
     assert_true(n <= FILES && ffp_make_folders(in_scratch("noise"), NULL));
     for (int i = 0; i < n; i++) {
         FfpImage image;
-        char from[32];
-        snprintf(from, sizeof from, i == 0 ? "black.png" : i == 1 ? "white.png" : "photos/%03d.png", i - 2);
-        assert_true(ffp_image_read_over_black(&image, NULL, in_scratch(from), NULL));
+        char name[32];
+        assert_true(ffp_image_read_over_black(&image, NULL, shot("", "photos/", i - 2), NULL));
         for (int k = 0; k < 3 * image.width * image.height; k++)
             image.data[k] =
                 (real)fmax(0, 0.02 + 0.1 * (double)image.data[k] + 0.005 * (double)ffp_rng_normal(&rng));
         ffp_image_to_srgb(&image);
-        snprintf(from, sizeof from, "noise/%03d.png", i);
-        snprintf(paths[i], sizeof paths[i], "%s", in_scratch(from));
+        snprintf(name, sizeof name, "noise/%03d.png", i);
+        snprintf(paths[i], sizeof paths[i], "%s", in_scratch(name));
         files[i] = paths[i];
         assert_true(ffp_image_write_png(&image, paths[i], NULL));
         ffp_image_free(&image);
@@ -498,11 +500,9 @@ static void test_noisy_photographs(void **state) {
 
 static void enlarge(const char *from, const char *to, int times) {
     FfpImage small, large;
-    char path[300];
-    snprintf(path, sizeof path, "%s", in_scratch(from));
-    assert_true(ffp_image_read(&small, path, FFP_COLOUR_ENCODED, NULL));
+    assert_true(ffp_image_read(&small, from, FFP_COLOUR_ENCODED, NULL));
     large = ffp_image_resize(&small, times * small.width, times * small.height);
-    assert_true(ffp_image_write_png(&large, in_scratch(to), NULL));
+    assert_true(ffp_image_write_png(&large, to, NULL));
     ffp_image_free(&small), ffp_image_free(&large);
 }
 
@@ -512,20 +512,12 @@ static void test_large_photographs(void **state) {
     enum { TIMES = 6 };
     FfpCapture capture, large;
     Call *call = call_of("plain");
-    char from[64], to[64];
     int known = 0, known_large = 0;
     call->options.width = WIDTH / 2;
     import(&capture, call);
     assert_true(ffp_make_folders(in_scratch("large"), NULL));
-    for (int i = -2; i < ffp_gray_photographs(PANEL_WIDTH, PANEL_HEIGHT); i++) {
-        snprintf(from, sizeof from, i == -2 ? "black.png" : i == -1 ? "white.png" : "photos/%03d.png", i);
-        snprintf(to, sizeof to,
-                 i == -2   ? "large/black.png"
-                 : i == -1 ? "large/white.png"
-                           : "large/%03d.png",
-                 i);
-        enlarge(from, to, TIMES);
-    }
+    for (int i = -2; i < ffp_gray_photographs(PANEL_WIDTH, PANEL_HEIGHT); i++)
+        enlarge(shot("", "photos/", i), shot("large/", "large/", i), TIMES);
     call = call_of("enlarged");
     snprintf(call->black, sizeof call->black, "%s/large/black.png", scratch);
     snprintf(call->white, sizeof call->white, "%s/large/white.png", scratch);
@@ -801,7 +793,8 @@ typedef struct Fault {
     const char *words[2];
 } Fault;
 
-#define SWAP(a, b) "mv " a " x && mv " b " " a " && mv x " b
+#define SWAP(a, b) "mv " a ".png x && mv " b ".png " a ".png && mv x " b ".png"
+#define TURN(a, b) SWAP("photos/" a, "photos/" b)
 
 static void by_name(Call *call) {
     snprintf(call->codes, sizeof call->codes, "%s/fault/named/{pattern}.png", scratch);
@@ -850,53 +843,26 @@ static const Fault faults[] = {
     {STOPS " && rm 030/0[01]?.png", two_stops_named, 0, {"8 files match", "030/[0-9]*.png"}},
     {STOPS " && rm -r 030", two_stops_named, 0, {"no such file", "030/black.png"}},
     // Numbers.
-    {SWAP("photos/004.png", "photos/010.png") " && " SWAP("photos/005.png", "photos/011.png"),
+    {TURN("004", "010") " && " TURN("005", "011"),
      NULL,
      FFP_RULE_CODES_SWAPPED,
      {"the pairs of 004.png and 010.png"}},
-    {SWAP("photos/006.png", "photos/007.png"),
-     NULL,
-     FFP_RULE_CODES_SWAPPED,
-     {"006.png and 007.png", "photos/006.png"}},
-    {SWAP("photos/022.png", "photos/023.png"),
-     NULL,
-     FFP_RULE_CODES_SWAPPED,
-     {"022.png and 023.png", "photos/022.png"}},
-    {SWAP("photos/008.png", "photos/020.png"),
-     NULL,
-     FFP_RULE_CODES_SWAPPED,
-     {"008.png and 020.png", "photos/008.png"}},
+    {TURN("006", "007"), NULL, FFP_RULE_CODES_SWAPPED, {"006.png and 007.png", "photos/006.png"}},
+    {TURN("022", "023"), NULL, FFP_RULE_CODES_SWAPPED, {"022.png and 023.png", "photos/022.png"}},
+    {TURN("008", "020"), NULL, FFP_RULE_CODES_SWAPPED, {"008.png and 020.png", "photos/008.png"}},
     // Two apart: a code and the next finer one, whose inverses stay.
-    {SWAP("photos/002.png", "photos/004.png"),
-     NULL,
-     FFP_RULE_CODES_SWAPPED,
-     {"002.png and 004.png", "photos/002.png"}},
-    {SWAP("photos/004.png", "photos/006.png"),
-     NULL,
-     FFP_RULE_CODES_SWAPPED,
-     {"004.png and 006.png", "photos/004.png"}},
-    {SWAP("photos/007.png", "photos/009.png"),
-     NULL,
-     FFP_RULE_CODES_SWAPPED,
-     {"007.png and 009.png", "photos/006.png"}},
-    {SWAP("photos/000.png", "photos/002.png"),
-     NULL,
-     FFP_RULE_CODES_SWAPPED,
-     {"000.png and 002.png", "photos/000.png"}},
-    {SWAP("photos/005.png", "photos/006.png"),
-     NULL,
-     FFP_RULE_CODES_SWAPPED,
-     {"005.png and 006.png", "photos/004.png"}},
+    {TURN("002", "004"), NULL, FFP_RULE_CODES_SWAPPED, {"002.png and 004.png", "photos/002.png"}},
+    {TURN("004", "006"), NULL, FFP_RULE_CODES_SWAPPED, {"004.png and 006.png", "photos/004.png"}},
+    {TURN("007", "009"), NULL, FFP_RULE_CODES_SWAPPED, {"007.png and 009.png", "photos/006.png"}},
+    {TURN("000", "002"), NULL, FFP_RULE_CODES_SWAPPED, {"000.png and 002.png", "photos/000.png"}},
+    {TURN("005", "006"), NULL, FFP_RULE_CODES_SWAPPED, {"005.png and 006.png", "photos/004.png"}},
     {"cp photos/009.png photos/008.png", NULL, FFP_RULE_CODES_NO_PAIR, {"photos/008.png"}},
     {"rm photos/000.png && cp photos/027.png photos/028.png",
      NULL,
      FFP_RULE_CODES_NO_PAIR,
      {"photos/001.png"}},
     // These mirror or turn everything: the calibration tells, or the panel where it ends early.
-    {SWAP("photos/000.png", "photos/001.png"),
-     NULL,
-     FFP_RULE_CODES_ELSEWHERE,
-     {"view '000'", "away from where the calibration puts them"}},
+    {TURN("000", "001"), NULL, FFP_RULE_CODES_ELSEWHERE, {"view '000'"}},
     {"mkdir x && mv photos/00* photos/010.png photos/011.png photos/012.png photos/013.png x/ && i=0 && for "
      "f "
      "in photos/*.png x/*.png; do mv $f $(printf y%03d.png $i); i=$((i+1)); done && mv y*.png photos/",
@@ -908,7 +874,7 @@ static const Fault faults[] = {
     // Light.
     {"cp ../spare/dim.png photos/008.png", NULL, FFP_RULE_CODES_EXPOSURE, {"darker", "photos/008.png"}},
     {"cp ../spare/bright.png photos/009.png", NULL, FFP_RULE_CODES_EXPOSURE, {"brighter", "photos/009.png"}},
-    {SWAP("black.png", "white.png"), NULL, FFP_RULE_PLAIN_SWAPPED, {"white.png"}},
+    {SWAP("black", "white"), NULL, FFP_RULE_PLAIN_SWAPPED, {"white.png"}},
     {"cp black.png white.png", NULL, FFP_RULE_WHITE_IS_BLACK, {"'black.png' and 'white.png'"}},
     {"true", same_plain, 0, {"is named twice: view '000' under 'black' and under 'white'", "white.png"}},
     {"cp ../spare/full.png white.png && cp ../spare/full.png black.png",

@@ -11,6 +11,7 @@
 #include "core/base/rng.h"
 #include "core/base/vec.h"
 #include "core/image/lookup.h"
+#include "named.h"
 #include "rig/import/import.h"
 #include "rig/optics/lens.h"
 #include "rig/optics/matrix.h"
@@ -398,6 +399,14 @@ static void write_colmap(const Rig *rig, const char *folder) {
     fclose(out);
 }
 
+// The orbit's photographs, and its model of COLMAP's.
+static Rig photographed(Kind kind) {
+    const Rig rig = orbit(false);
+    take_photographs(&rig, kind);
+    write_colmap(&rig, "model");
+    return rig;
+}
+
 static void put_rotation(FILE *out, const double pose[16]) {
     for (int i = 0; i < 3; i++)
         fprintf(out, "%s[%.12g, %.12g, %.12g]", i ? ", " : "[", pose[4 * i], pose[4 * i + 1],
@@ -589,10 +598,8 @@ static void test_other_sizes(void **state) {
 // Half as wide: the pinhole keeps its field, and a pixel is the mean of four.
 static void test_narrower(void **state) {
     (void)state;
-    const Rig rig = orbit(false);
     waves = true;
-    take_photographs(&rig, PNG8);
-    write_colmap(&rig, "model");
+    const Rig rig = photographed(PNG8);
     Call *call = call_of("narrow", "model", NULL);
     call->options.width = WIDTH / 2;
     FfpCapture capture;
@@ -614,9 +621,7 @@ static void test_narrower(void **state) {
 // The mask that is made against the ball's true silhouette: all that is lit, and no background.
 static void test_masks(void **state) {
     (void)state;
-    const Rig rig = orbit(false);
-    take_photographs(&rig, PNG8);
-    write_colmap(&rig, "model");
+    const Rig rig = photographed(PNG8);
     Call *call = call_of("made", "model", NULL);
     FfpCapture capture;
     import(&capture, call);
@@ -690,9 +695,7 @@ static void test_kinds_of_files(void **state) {
 // Files that hold linear values, as raw converters write them.
 static void test_linear_files(void **state) {
     (void)state;
-    const Rig rig = orbit(false);
-    take_photographs(&rig, EXR);
-    write_colmap(&rig, "model");
+    const Rig rig = photographed(EXR);
     for (int v = 0; v < VIEWS; v++)
         for (int p = 0; p < 3; p++) {
             char name[64];
@@ -717,9 +720,7 @@ static void test_linear_files(void **state) {
 // The white picture's alpha channel masks the others, unless it is 1 everywhere.
 static void test_alpha(void **state) {
     (void)state;
-    const Rig rig = orbit(false);
-    take_photographs(&rig, PNG8);
-    write_colmap(&rig, "model");
+    const Rig rig = photographed(PNG8);
     for (int opaque = 0; opaque < 2; opaque++) {
         for (int v = 0; v < VIEWS; v++) {
             char name[64];
@@ -748,9 +749,7 @@ static void test_alpha(void **state) {
 
 static void test_some_views(void **state) {
     (void)state;
-    const Rig rig = orbit(false);
-    take_photographs(&rig, PNG8);
-    write_colmap(&rig, "model");
+    const Rig rig = photographed(PNG8);
     Call *call = call_of("some", "model", NULL);
     const char *const views[3] = {"04", "02", "04"};
     call->options.views = views, call->options.n_views = 3;
@@ -768,9 +767,7 @@ static void test_some_views(void **state) {
 
 static void test_bad_pictures(void **state) {
     (void)state;
-    Rig rig = orbit(false);
-    take_photographs(&rig, PNG8);
-    write_colmap(&rig, "model");
+    Rig rig = photographed(PNG8);
     Call *call = call_of("never", "model", NULL);
     char *data = NULL;
     size_t size = 0;
@@ -792,6 +789,21 @@ static void test_bad_pictures(void **state) {
     must_fail(call, "no such file");
     assert_true(ffp_write_file(path, data, size, NULL));
     ffp_free(data);
+    // At one stop white was shown first, which noise must not hide.
+    FfpImage swapped[2];
+    FfpRng rng = ffp_rng(5, 1);
+    for (int p = 0; p < 2; p++)
+        assert_true(ffp_image_read(&swapped[p], in_scratch(p ? "photos/02_black.png" : "photos/02_white.png"),
+                                   FFP_COLOUR_ENCODED, NULL));
+    for (int p = 0; p < 2; p++) {
+        for (int i = 0; i < swapped[p].width * swapped[p].height * swapped[p].channels; i++)
+            swapped[p].data[i] += 0.01F * ffp_rng_normal(&rng);
+        assert_true(ffp_image_write_png(&swapped[p],
+                                        in_scratch(p ? "photos/02_white.png" : "photos/02_black.png"), NULL));
+        ffp_image_free(&swapped[p]);
+    }
+    must_fail(call, "02_white.png");
+    must_be(&err, FFP_RULE_PLAIN_SWAPPED);
     // White and black of the same light: nothing to see.
     snprintf(call->images, sizeof call->images, "%s/photos/{view}_dots.png", scratch);
     must_fail(call, "names one file for 3 patterns");
