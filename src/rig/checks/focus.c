@@ -1,5 +1,5 @@
-// Whether a view is as sharp as the others: by the contrast between neighbouring pixels in the pattern on the
-// object, without the object's own colours. It is alike in all views of a rig, and blur takes it away.
+// Sharpness of the views, by the contrast between neighbouring pixels in the pattern on the object, without
+// the object's own colours. It is alike in all views of a rig, and blur takes it away.
 #include <math.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"

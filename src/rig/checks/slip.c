@@ -124,8 +124,8 @@ static void carry(const double turn[9], const double shift[3], int side, const r
     }
 }
 
-// Of pixel i of the view `side`, before the other's surface. What the other has there must be in this view's
-// sight, too: otherwise it hides the point, as the near side of a thin thing does the far one.
+// Of pixel i of the view `side`, before the other's surface. A place of the other's that this view does not
+// see hides the point, as the near side of a thin thing hides the far one: INFINITY.
 static double distance_of(const Pair *pair, const double turn[9], const double shift[3], int side, size_t i) {
     const Surface *own = &pair->surfaces[pair->view[side]], *other = &pair->surfaces[pair->view[1 - side]];
     double at[3], normal[3];
