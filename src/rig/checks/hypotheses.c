@@ -232,7 +232,7 @@ static FfpRuleId tell_camera_size(const FfpCase *c, int variant, FfpFacts *facts
 // The pair of the views that silhouettes blame most, with that number; false: there are not so many.
 static bool suspects_of(const FfpCase *c, int variant, int pair[2]) {
     const double *blame = c->shapes->blame;
-    int suspects[SUSPECTS], n = 0;
+    int suspects[SUSPECTS] = {0}, n = 0;
     for (int v = 0; v < c->capture->n_views; v++) {
         int at = n < SUSPECTS ? n++ : SUSPECTS;
         for (; at > 0 && blame[suspects[at - 1]] < blame[v]; at--)

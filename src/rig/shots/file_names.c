@@ -184,11 +184,15 @@ static bool find_files(glob_t *found, const FfpFileSet *set, const Blanks *blank
                        FfpError *err) {
     char path[FFP_PATH_MAX];
     if (!fill(set->template, blanks, only_stars, path, err)) return false;
-    if (glob(path, GLOB_NOSORT, NULL, found) == 0) return true;
-    return fill(set->template, blanks, all_wildcards, path, err) &&
-           (glob(path, GLOB_NOSORT, NULL, found) == 0 ||
-            ffp_fail(err, FFP_ERROR_FILE, filled,
-                     "no file matches (.JPG is not .jpg), or the folder cannot be read"));
+    int status = glob(path, GLOB_NOSORT, NULL, found);
+    if (status == GLOB_NOMATCH) {
+        if (!fill(set->template, blanks, all_wildcards, path, err)) return false;
+        status = glob(path, GLOB_NOSORT, NULL, found);
+    }
+    if (status == GLOB_NOSPACE)
+        return ffp_fail(err, FFP_ERROR_MEMORY, filled, "no memory for the list of files");
+    return status == 0 || ffp_fail(err, FFP_ERROR_FILE, filled,
+                                   "no file matches (.JPG is not .jpg), or the folder cannot be read");
 }
 
 // A view's files, fewer than its names, in their places; false: their numbers do not tell these.

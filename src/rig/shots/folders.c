@@ -40,13 +40,20 @@ static bool list(FfpArena *arena, const char *folder, bool folders, const char *
     const char **found = ffp_arena_alloc(arena, FILES_MAX, sizeof *found);
     bool ok = true;
     *n = 0;
-    for (struct dirent *entry; ok && (entry = readdir(directory)) != NULL;) {
+    while (ok) {
         char path[FFP_PATH_MAX];
+        errno = 0;
+        const struct dirent *entry = readdir(directory);
+        if (!entry) {
+            ok = !errno || ffp_fail(err, FFP_ERROR_IO, folder, "cannot read: %s", strerror(errno));
+            break;
+        }
         if (entry->d_name[0] == '.' || (!folders && !ffp_photograph_has_ending(entry->d_name))) continue;
         ok = ffp_join_path(path, folder, entry->d_name) ||
              ffp_fail(err, FFP_ERROR_ARGUMENT, folder, "the path is too long");
         if (!ok || (folders ? !ffp_is_folder(path) : !ffp_is_file(path))) continue;
-        ok = *n < FILES_MAX || ffp_fail(err, FFP_ERROR_FILE, folder, "more than %d pictures", FILES_MAX);
+        ok = *n < FILES_MAX || ffp_fail(err, FFP_ERROR_FILE, folder, "more than %d %s", FILES_MAX,
+                                        folders ? "folders" : "pictures");
         if (ok) found[(*n)++] = ffp_arena_text(arena, path);
     }
     ffp_disown(directory), closedir(directory);
