@@ -60,7 +60,7 @@ class Engine {
 }
 
 const engine = new Engine();
-const state = { name: '', files: null };
+const state = { name: '', files: null, fault: null };
 const TRUTH = ['depth', 'normal', 'albedo', 'roughness', 'direct_white']; // of a view in scene.json
 
 function note(text) {
@@ -75,8 +75,8 @@ engine.tell = (data) => {
   if (data.kind === 'log') { note(data.text); return; }
   if (data.kind === 'finding') {
     const finding = JSON.parse(data.finding);
-    // A fault comes with the error that it is.
-    if (!isPassed(finding) && finding.severity !== 'fault' && !document.querySelector(`#notes [data-code="${finding.code}"]`)) $('notes').append(findingItem(finding));
+    if (finding.severity === 'fault') state.fault = finding; // told with the error that it is
+    else if (!isPassed(finding) && !document.querySelector(`#notes [data-code="${finding.code}"]`)) $('notes').append(findingItem(finding));
     return;
   }
   $('stage').textContent = data.stage ? data.stage[0].toUpperCase() + data.stage.slice(1) : 'Working';
@@ -96,6 +96,7 @@ function showProblem(error) {
   $('work').hidden = true;
   $('problem').hidden = false;
   $('why').textContent = error instanceof Message ? error.message : `That did not work: ${error.message}`;
+  if (error.fault && state.fault) $('why').replaceChildren(...findingItem(state.fault).childNodes);
   $('problem').scrollIntoView({ block: 'nearest' });
   if (!(error instanceof Message)) console.warn(error);
 }

@@ -403,7 +403,7 @@ static const FfpRule rules[FFP_RULES] = {
         {"codes-left-out", DOUBT, "codes", NULL, 0, "the Gray codes of view '{view}' are left out",
          "{a}; photograph them again, or go on: this view's depth then comes from the pattern", NULL},
     [FFP_RULE_RESPONSE] =
-        {"response-not-kept", DOUBT, "response", NULL, 0,
+        {"response-not-kept", NOTE, "response", NULL, 0,
          "the projector's response is not kept (gamma {a}): with it the pattern explains views held out no "
          "better, {x:.1f} dB, than the {y:.1f} without; patterns count as {b}",
          "if the projector was calibrated, go on; otherwise photograph a pattern with middling values "

@@ -183,6 +183,7 @@ def check_fault(page, capture, folder):
     page.run("document.getElementById('again').click()")
     page.run("document.getElementById('polish').checked = false")
     page.refuses(wrong, "are exchanged")
+    assert page.run("document.querySelector('#why .remedy').textContent") == "exchange their files"
     page.screenshot(os.path.join(folder, "fault.png"))
     page.run("document.getElementById('force').scrollIntoView()")
     assert not page.run("document.getElementById('force').hidden")
