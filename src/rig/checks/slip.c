@@ -9,6 +9,7 @@
 #include "core/capture/reduce.h"
 #include "core/capture/small.h"
 #include "core/numerics/least_squares.h"
+#include "core/numerics/rank.h"
 #include "engine/match/match.h"
 #include "engine/match/surface.h"
 #include "rig/checks/measure.h"
@@ -26,6 +27,8 @@
 #define PATCH ((2 * REACH + 1) * (2 * REACH + 1)) // pixels that share a plane: what they say is one thing
 #define PATCHES_SURE 3 // that both views see, for the three numbers of a shift: fewer accuse nobody
 #define BROKEN 0.3     // mean cost of a pair, from which on something may have moved, if
+#define ABOVE 2.5      // it is so many times what the best quarter of the pairs cost, or
+#define CERTAIN 0.7    // above this where all cost much, and
 #define MENDED 0.5     // a motion leaves less than this of it
 #define CLOSED 0.7     // likewise of the pair where the views end that moved
 #define TURNED 0.6     // of the cost under a shift, that a turn must leave less than to be told
@@ -246,8 +249,20 @@ static Pair pair_new(const FfpCapture *capture, const Surface *surfaces, int fir
 
 // --- Who moved. ---
 
-static bool is_broken(const Pair *pair) {
-    return pair->seen >= PATCHES_SURE && pair->before > BROKEN && pair->after < MENDED * pair->before;
+static bool is_broken(const Pair *pair, double limit) {
+    return pair->seen >= PATCHES_SURE && pair->before > limit && pair->after < MENDED * pair->before;
+}
+
+// The cost from which on something may have moved, in view of how well this capture's surfaces meet.
+static double limit_of(const Pair *pairs, int n) {
+    double *costs = ffp_alloc((size_t)n, sizeof *costs);
+    int sure = 0;
+    for (int p = 0; p < n; p++)
+        if (pairs[p].seen >= PATCHES_SURE) costs[sure++] = pairs[p].before;
+    if (sure > 0) ffp_rank(costs, (size_t)sure, (size_t)sure / 4);
+    const double usual = sure > 0 ? costs[sure / 4] : 0;
+    ffp_free(costs);
+    return fmax(BROKEN, fmin(ABOVE * usual, CERTAIN));
 }
 
 // The pair that the motion back from that of `broken` mends best: there the moved views end; -1: none.
@@ -273,9 +288,10 @@ static int find_end(const Pair *pairs, int n, int broken) {
 // Two pairs that do not fit, round an object: the views between them moved. One of the two may show too
 // little.
 static void explain(FfpSlip *out, const Pair *pairs, int n) {
+    const double limit = limit_of(pairs, n);
     int end = -1;
     for (int p = 0; p < n; p++) {
-        if (!is_broken(&pairs[p])) continue;
+        if (!is_broken(&pairs[p], limit)) continue;
         const int worst = out->pair;
         out->pairs++;
         out->pair = worst < 0 || pairs[p].after * pairs[worst].before < pairs[worst].after * pairs[p].before
