@@ -50,6 +50,18 @@ class PatternTexture {
   free() { this.graphics.gl.deleteTexture(this.texture); }
 }
 
+// ffp_outline_deviation: how far outlines are smoothed, in pixels; 0 where these are about as coarse as the photographs'.
+function outlineDeviation({count, centre, scale}, {pose, fx}) {
+  const axis = axisOf(pose, 2), offset = dot3(axis, positionOf(pose)), sizes = [];
+  for (let i = 0; i < count; i += Math.floor(count / 4096) + 1) {
+    const z = axis[0] * centre[3 * i] + axis[1] * centre[3 * i + 1] + axis[2] * centre[3 * i + 2] - offset;
+    const [a, b, c] = scale.map((column) => column[i]);
+    if (z > 0) sizes.push(Math.max(Math.min(a, b), Math.min(Math.max(a, b), c)) * fx / z);
+  }
+  const deviation = sizes.length ? 2 / 3 * sizes.sort((a, b) => a - b)[sizes.length >> 1] : 0;
+  return deviation < 0.4 ? 0 : Math.min(deviation, 4);
+}
+
 // The view of one camera, rasterised once: the samples' G-buffer and its means. Kept while nothing changes.
 class GbufferView {
   constructor(renderer) { this.renderer = renderer, this.targets = []; }
@@ -64,6 +76,7 @@ class GbufferView {
     this.samples = targets[side];
     this.device = sampleDevice(camera, side), this.camera = camera, this.side = side;
     this.depth = renderer.centreDepth(camera);
+    this.deviation = side > 1 && renderer.settings.smooth ? outlineDeviation(renderer.scene.splats, camera) : 0;
     renderer.counts.splats = renderer.rasterise(this.samples, this.device, this.depth, 'splats.frag');
     renderer.counts.samples = this.samples.width * this.samples.height;
     this.key = key;
@@ -224,7 +237,7 @@ class Renderer {
   resolve(target, exposure) {
     const {width, height} = this.view.camera;
     this.graphics.fill(target, ['resolve.frag'], {
-      u_mean: this.light.textures[0], u_side: this.view.side, u_exposure: exposure, u_flip: !target, u_size: [width, height],
+      u_mean: this.light.textures[0], u_side: this.view.side, u_exposure: exposure, u_deviation: this.view.deviation, u_flip: !target, u_size: [width, height],
     }, width, height);
   }
 

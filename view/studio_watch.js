@@ -1,9 +1,10 @@
 'use strict';
-// Keeping watch over a show: the picture that it projects is photographed as it is, and camera and projector are found again
-// by it (`align --gaussians --pattern own`). The viewer follows.
+// Keeping watch over a show: the picture that it projects is photographed as it is, and if the photograph is not like the last
+// one, camera and projector are found again by it (`align --gaussians --pattern own`). The viewer follows.
 
-const SHIFTED = 0.0015, LOST = 2, WATCH_EVERY = 1500; // mean shift of the object in a picture, shares of its width; times the
-// difference that there was; ms from look to look
+const SHIFTED = 0.0015, WATCH_EVERY = 500; // mean shift of the object in a picture, shares of its width; ms from look to look
+const LOST = 2, LOST_ANYWHERE = 3.5;       // times the least difference of photograph and prediction: under this picture, under any
+const ALIKE = 1.5, NOISE = 0.1;            // times the least difference of two photographs of the same; of 255, at least
 
 // The mean distance in a device's picture between points seen from one pose and from another. `project` is the page's.
 function shiftBetween(project, device, from, to, points) {
@@ -21,10 +22,11 @@ function degreesBetween(a, b) {
   return Math.acos(Math.min(1, Math.max(-1, (trace - 1) / 2))) * 180 / Math.PI;
 }
 
-// The findings of a look in words. `least`: the least difference of picture and prediction that there was (null: none yet).
-function watchVerdict({camera, projector, difference}, least) {
+// The findings of a look in words. `difference` of photograph and prediction, and the photograph's `light`; `least`: the least
+// difference under this picture of the show, `share`: the least one per light under any (null: none yet).
+function watchVerdict({camera, projector, difference, light}, {least, share}) {
   const devices = [['camera', camera], ['projector', projector]], moved = devices.filter(([, {pixels, width}]) => pixels > SHIFTED * width);
-  if (least !== null && difference > LOST * least)
+  if ((least !== null && difference > LOST * least) || (share !== null && difference > LOST_ANYWHERE * share * light))
     return {moved: true, found: false, text: 'Something has moved, or the light has changed, and camera and projector could not be found again.'};
   if (!moved.length) return {moved: false, found: true, text: 'Nothing has moved.'};
   const how = devices.map(([name, {degrees, pixels}]) => `${name} by ${degrees.toFixed(2)}°, ${pixels.toFixed(1)} pixels`).join(', ');
@@ -32,13 +34,16 @@ function watchVerdict({camera, projector, difference}, least) {
   return {moved: true, found: true, text: `${what} (${how}). Found again; the picture follows.`};
 }
 
-// Poses hold for one view of one viewer, the least difference for one picture of the show.
+// Poses hold for one view of one viewer, what was photographed for one picture of the show.
 function beginAgain(watching, view, pixels) {
-  if (watching.view !== view) watching.view = view, watching.poses = watching.pixels = null;
-  if (!watching.pixels || pixels.some((value, i) => value !== watching.pixels[i])) watching.pixels = pixels, watching.least = null;
+  if (watching.view !== view) watching.view = view, watching.poses = watching.pixels = watching.share = null;
+  if (!watching.pixels || pixels.some((value, i) => value !== watching.pixels[i])) watching.pixels = pixels, watching.least = watching.seen = watching.apart = null;
 }
 
-const watching = {on: false, busy: false, view: null, poses: null, pixels: null, least: null};
+// True if a photograph, `differs` from the one by which devices were found last, shows that nothing has moved since.
+function looksAlike({seen, apart}, differs) { return seen !== null && apart !== null && differs <= ALIKE * Math.max(apart, NOISE); }
+
+const watching = {on: false, busy: false, view: null, poses: null, pixels: null, least: null, share: null, seen: null, apart: null};
 
 const viewerOf = () => $('viewer').contentWindow;
 
@@ -51,14 +56,17 @@ async function pictureOfShow(page) {
   return {projector, pixels: new Uint32Array(copy.buffer), blob: await new Promise((done) => canvas.toBlob(done, 'image/png'))};
 }
 
-// The one photograph of the set; the viewer's projector window shows the picture already.
+// The one photograph of the set, small; the viewer's projector window shows the picture already.
 async function photographShow(name) {
   let state = await doIt({verb: 'shoot', set: name});
+  const {number} = state.active.next;
   while (state.active && state.active.name === name) {
     if (isVirtual()) await takeOne(state.active);
-    else await ask(`photograph?set=${name}&number=${state.active.next.number}`, await grab());
+    else await ask(`photograph?set=${name}&number=${number}`, await grab());
     state = studio.state;
   }
+  const answer = await fetch(`file/${name}/${String(number).padStart(3, '0')}.png`);
+  return smallOf(await createImageBitmap(await answer.blob()));
 }
 
 async function jobEnds(name) {
@@ -78,32 +86,47 @@ function followPoses(page, view, projector, before, now) {
   viewer.changed('device');
 }
 
+// Camera and projector by the photograph that was taken last, and how much of it is not as predicted.
+async function findDevices(object) {
+  await doIt({verb: 'run', step: 'watch'});
+  await jobEnds('watch');
+  const {c2w, p2w} = JSON.parse(await textOf(`objects/${object.name}/now/aligned/scene.json`)).views[0], {log} = studio.state.job;
+  return {now: {camera: c2w.flat(), projector: p2w.flat()}, left: JSON.parse(log.slice(log.lastIndexOf('\n{') + 1)).after}; // align's figures are its end
+}
+
+// The verdict of a look at a photograph that `differs` from the last one; the viewer follows.
+function judge(page, view, projector, {now, left}, small, differs) {
+  const before = watching.poses || {camera: view.camera.pose, projector: view.projector.pose}, {centre, radius} = page.viewer.scene;
+  const points = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]].map((side) => side.map((x, k) => centre[k] + 0.8 * x * radius));
+  const since = (name, device) => ({degrees: degreesBetween(before[name], now[name]), pixels: shiftBetween(page.project, device, before[name], now[name], points), width: device.width});
+  const light = difference(small, new Uint8ClampedArray(small.length)) / 255;
+  const told = watchVerdict({camera: since('camera', view.camera), projector: since('projector', view.projector), difference: left, light}, watching);
+  if (!told.found) return told.text;
+  if (told.moved) followPoses(page, view, projector, before, now);
+  else if (differs !== null) watching.apart = Math.min(differs, watching.apart ?? differs);
+  if (told.moved || !watching.poses) watching.poses = now;
+  watching.least = Math.min(left, watching.least ?? left);
+  watching.share = Math.min(left / light, watching.share ?? left / light);
+  watching.seen = small;
+  return told.text;
+}
+
 async function lookOnce() {
   const page = viewerOf(), object = objectNow(studio.state);
   if (!page.viewer || page.viewer.playing) return 'A film or a fade is running: the next look waits for its end.';
   if (!isVirtual() && !(studio.state.settings.camera === 'browser' && webcam.stream)) throw new Error('Watching needs the browser’s camera: open it (step 1).');
   const {projector, pixels, blob} = await pictureOfShow(page), stop = $('now-view').value;
+  const view = page.viewer.scene.views.find(({id}) => stop === id || stop === `view-${id}`);
+  if (!view) throw new Error(`The viewer has no view ${stop}.`);
   await ask('own?watch=true', blob);
   await doIt({verb: 'try', view: stop, pattern: 'own', turned: isVirtual() ? Math.round(number('now-turned')) : 0, watch: true});
-  await photographShow(`objects/${object.name}/now`);
-  const taken = performance.now();
-  await doIt({verb: 'run', step: 'watch'});
-  await jobEnds('watch');
-  const found = JSON.parse(await textOf(`objects/${object.name}/now/aligned/scene.json`)).views[0], now = {camera: found.c2w.flat(), projector: found.p2w.flat()};
-  const view = page.viewer.scene.views.find(({id}) => id === found.id), {centre, radius} = page.viewer.scene;
-  if (!view) throw new Error(`The viewer has no view ${found.id}.`);
+  const small = await photographShow(`objects/${object.name}/now`), taken = performance.now();
+  const when = () => `(${new Date().toLocaleTimeString()}, ${((performance.now() - taken) / 1000).toFixed(1)} s)`;
   beginAgain(watching, view, pixels);
-  const before = watching.poses || {camera: view.camera.pose, projector: view.projector.pose};
-  const points = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]].map((side) => side.map((x, k) => centre[k] + 0.8 * x * radius));
-  const since = (name, device) => ({degrees: degreesBetween(before[name], now[name]), pixels: shiftBetween(page.project, device, before[name], now[name], points), width: device.width});
-  const {log} = studio.state.job, difference = JSON.parse(log.slice(log.lastIndexOf('\n{') + 1)).after; // align's figures are its end
-  const told = watchVerdict({camera: since('camera', view.camera), projector: since('projector', view.projector), difference}, watching.least);
-  if (told.found) {
-    if (told.moved) followPoses(page, view, projector, before, now);
-    if (told.moved || !watching.poses) watching.poses = now;
-    watching.least = watching.least === null ? difference : Math.min(watching.least, difference);
-  }
-  return `${told.text} (${new Date().toLocaleTimeString()}, ${((performance.now() - taken) / 1000).toFixed(1)} s)`;
+  const differs = watching.seen && difference(watching.seen, small);
+  if (looksAlike(watching, differs)) return `Nothing has moved. ${when()}`;
+  if (watching.apart !== null) $('watch-says').textContent = 'Something has moved, or the light has changed: looking for camera and projector…';
+  return `${judge(page, view, projector, await findDevices(object), small, differs)} ${when()}`;
 }
 
 function setWatch(on) {

@@ -14,7 +14,8 @@ extern "C" {
 
 // --- Drawing into memory. ---
 
-// One view of Gaussians, rasterised once and shaded under any number of patterns.
+// One view of Gaussians, rasterised once and shaded under any number of patterns. Outlines are smoothed where
+// its pixels are finer than the photographs', as in files; those of gradients.h and linear light are not.
 typedef struct FfpRenderer FfpRenderer;
 FFP_API FfpRenderer *ffp_renderer_new(FfpContext *context, FfpDrawing drawing, FfpError *err);
 FFP_API void ffp_renderer_close(FfpRenderer *renderer);

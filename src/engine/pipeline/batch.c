@@ -30,6 +30,7 @@ struct FfpBatch {
 FfpBatch *ffp_batch_new(const FfpRenderSettings *settings) {
     FfpBatch *batch = ffp_alloc(1, sizeof *batch);
     batch->settings = *settings;
+    batch->settings.smooth = false; // the same pictures with gradients and without
     return batch;
 }
 

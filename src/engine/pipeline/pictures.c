@@ -144,13 +144,14 @@ static void draw_strips(Writer *writer, const FfpView *view, int first) {
     }
     ffp_view_pass_keep_shadow(writer->pass, &shadow);
     for (int top = 0; top < whole->height; top += rows) {
-        const FfpCamera strip = ffp_strip_of(whole, top, rows);
+        const int above = ffp_smaller(top, FFP_STRIP_MARGIN), kept = ffp_smaller(rows, whole->height - top);
+        const FfpCamera strip = ffp_strip_of(whole, top - above, above + kept + FFP_STRIP_MARGIN);
         const size_t row = 3 * (size_t)whole->width;
         ffp_view_pass_draw(writer->pass, writer->gaussians, &strip, &view->projector);
         for (int p = 0; p < count; p++) {
             FfpImage part = relit(writer, first + p);
-            memcpy(writer->pictures[p].data + (size_t)top * row, part.data,
-                   (size_t)part.height * row * sizeof *part.data);
+            memcpy(writer->pictures[p].data + (size_t)top * row, part.data + (size_t)above * row,
+                   (size_t)kept * row * sizeof *part.data);
             ffp_image_free(&part);
         }
     }
@@ -258,7 +259,7 @@ int ffp_pictures_run(const FfpGaussians *gaussians, const FfpCapture *capture, c
     FfpPictureJob job;
     Writer writer = {.job = &job, .gaussians = gaussians};
     char mark[FFP_PATH_MAX];
-    const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
+    const FfpRenderSettings settings = ffp_showing_settings(options->drawing);
     bool ok = ffp_picture_job_new(&job, gaussians, capture, options, err) && check_names(&job, err) &&
               check_memory(&writer, settings.samples, err) && mark_folder(mark, options->folder, err);
     if (ok) {

@@ -24,3 +24,9 @@ FfpRenderSettings ffp_drawing_settings(FfpDrawing drawing, const FfpModel *model
     const int meant = model ? model->config.samples : 0;
     return ffp_render_settings(paper, drawing.samples ? drawing.samples : meant);
 }
+
+FfpRenderSettings ffp_showing_settings(FfpDrawing drawing) {
+    FfpRenderSettings settings = ffp_drawing_settings(drawing, NULL);
+    settings.smooth = drawing.form == FFP_FORM_OURS;
+    return settings;
+}

@@ -15,5 +15,7 @@ void ffp_quantise(FfpImage *encoded); // clamps to [0,1] and rounds to multiples
 // The settings with which Gaussians are drawn: the model's own form if there is a model, and its samples
 // unless the drawing gives others.
 FfpRenderSettings ffp_drawing_settings(FfpDrawing drawing, const FfpModel *model);
+// The same for pictures that are looked at, and not compared: outlines are smooth in the usual form.
+FfpRenderSettings ffp_showing_settings(FfpDrawing drawing);
 
 #endif

@@ -14,7 +14,7 @@ static void forget_pass(void *owner) {
 
 FfpRenderer *ffp_renderer_make(FfpDrawing drawing) {
     FfpRenderer *renderer = ffp_alloc(1, sizeof *renderer);
-    renderer->settings = ffp_drawing_settings(drawing, NULL);
+    renderer->settings = ffp_showing_settings(drawing);
     ffp_blocks_init(&renderer->blocks, renderer, forget_pass);
     return renderer;
 }

@@ -5,6 +5,7 @@
 #include "core/base/call.h"
 #include "core/base/device.h"
 #include "engine/render/hold.h"
+#include "engine/render/outline.h"
 #include "engine/render/resolve.h"
 
 struct FfpViewPass {
@@ -13,6 +14,7 @@ struct FfpViewPass {
     const FfpGaussians *gaussians; // drawn last,
     FfpCamera camera, projector;   // by a camera that has a pixel for each sample
     FfpMapping mapping;            // of the samples
+    real outline;                  // deviation in pixels of the picture (outline.h), 0: as it is
     FfpGbuffer *kept_shadow;       // the caller's
     FfpGbuffer samples, mean;      // the same memory when there is one sample a pixel; means of opacity and
     bool averaged;                 // ambient colour are always there, the others once they are asked for
@@ -150,6 +152,8 @@ void ffp_view_pass_draw(FfpViewPass *pass, const FfpGaussians *gaussians, const 
     pass->gaussians = gaussians;
     pass->camera = sample_camera(camera, pass->settings.samples);
     pass->projector = *projector;
+    pass->outline =
+        pass->settings.smooth && pass->settings.samples > 1 ? ffp_outline_deviation(gaussians, camera) : 0;
     pass->grad_clear = false;
     pass->mapping.even = ffp_even_light(gaussians, projector, &pass->settings);
     ffp_rasterise(pass->raster, gaussians, &pass->camera, &pass->settings, &pass->samples);
@@ -203,7 +207,10 @@ void ffp_view_pass_resolve(FfpViewPass *pass, const FfpImage *linear, FfpImage *
 void ffp_view_pass_shade(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
                          FfpImage *out) {
     ffp_view_pass_radiance(pass, intensity, pattern, &pass->linear);
-    ffp_view_pass_resolve(pass, &pass->linear, out);
+    if (pass->outline > 0)
+        ffp_resolve_smoothly(&pass->linear, pass->mean.opacity, pass->settings.samples, pass->outline, out);
+    else
+        ffp_view_pass_resolve(pass, &pass->linear, out);
 }
 
 FfpGbuffer *ffp_view_pass_grad_gbuffer(FfpViewPass *pass) {

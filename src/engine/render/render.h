@@ -26,6 +26,8 @@ typedef struct FfpRenderSettings {
     bool shadows;      // visibility from the projector
     int shadow_side;   // shadow map's longer side in pixels (160)
     real shadow_bias;  // depth slack as a share of the projector's distance (0.05)
+    bool smooth;       // outlines of pictures finer than the photographs (outline.h); the CPU's, and without
+                       // gradients
     bool even_light;   // light without n.l and falloff, as in GS-ProCams' released program
 } FfpRenderSettings;
 FfpRenderSettings ffp_render_defaults(void);

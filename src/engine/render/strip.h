@@ -6,6 +6,7 @@
 
 #define FFP_WHOLE_PIXELS 2e6 // up to which a picture is drawn at once
 #define FFP_STRIP_PIXELS 1e6 // of a larger one, drawn at once
+#define FFP_STRIP_MARGIN 8   // rows above and below it, drawn for their neighbours' sake (outline.h)
 
 // Rows that are drawn at once: all of a picture that is not large.
 static inline int ffp_strip_rows(const FfpCamera *camera) {

@@ -160,10 +160,10 @@ static void write_drawing(FILE *out, const FfpRenderSettings *s) {
     fprintf(
         out,
         "\"drawing\":{\"samples\":%d,\"blur\":%.9g,\"compensation\":%s,\"firmness\":%.9g,\"footprint\":%s,"
-        "\"shadows\":%s,\"shadow_side\":%d,\"shadow_bias\":%.9g},\n",
+        "\"shadows\":%s,\"shadow_side\":%d,\"shadow_bias\":%.9g,\"smooth\":%s},\n",
         s->samples, (double)s->blur, s->compensation ? "true" : "false", (double)s->firmness,
         s->footprint ? "true" : "false", s->shadows ? "true" : "false", s->shadow_side,
-        (double)s->shadow_bias);
+        (double)s->shadow_bias, s->smooth ? "true" : "false");
 }
 
 static void write_baked(FILE *out, const FfpBakedShadows *baked) {

@@ -10,7 +10,7 @@ bool ffp_page_run(const FfpGaussians *gaussians, const FfpCapture *capture, cons
     FfpPageCounts counts;
     if (options->poses && !ffp_capture_read_targets(&poses, options->poses, capture, err)) return false;
     ffp_note_elsewhere(gaussians, capture);
-    const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
+    const FfpRenderSettings settings = ffp_showing_settings(options->drawing);
     const FfpPageContent source = {gaussians, capture, options->poses ? &poses : NULL, &settings,
                                    options->photographs};
     const bool ok = ffp_page_build(&source, options->file, &counts, err);

@@ -105,6 +105,56 @@ static void test_outline_is_straight_alpha(void **state) {
     ffp_gaussians_free(&wall);
 }
 
+// A wall of splats one photograph's pixel apart, drawn `times` as large. Where its left edge lies, by how
+// much of each row is covered, and how wide it is: pixels that are neither covered nor free.
+enum { PHOTOGRAPH = 24 };
+
+static void draw_wall(int times, bool smooth, double *ragged, double *width, FfpImage *out) {
+    const real in_front[3] = {0, -3, 0}, apart = 3.0F / 36;
+    const FfpCamera camera = look_at(times * PHOTOGRAPH, times * PHOTOGRAPH, 36 * times, in_front, origin);
+    FfpGaussians wall = ffp_gaussians_new(20 * PHOTOGRAPH * 2);
+    for (int i = 0; i < (int)wall.count; i++) {
+        const real centre[3] = {(real)(i % 20) * apart - 0.3F, 0, ((real)(i / 20) - PHOTOGRAPH) * apart};
+        for (int k = 0; k < 3; k++) {
+            wall.centre[3 * i + k] = centre[k];
+            wall.scale[3 * i + k] = k == 1 ? 0.002F : 0.5F * apart;
+            wall.ambient[3 * i + k] = 1;
+        }
+        wall.rotation[4 * i] = 1, wall.opacity[i] = 0.95F;
+    }
+    FfpRenderSettings settings = ffp_render_defaults();
+    settings.smooth = smooth;
+    *out = ffp_render_view(&wall, &camera, &camera, intensity, NULL, &settings);
+    real least = 1e9F, most = 0;
+    for (int y = 0; y < out->height; y++) {
+        real covered = 0;
+        for (int x = 0; x < out->width; x++) {
+            const real v = out->data[3 * (y * out->width + x)];
+            covered += v;
+            *width += v > 0.05F && v < 0.95F ? 1.0 / out->height : 0;
+        }
+        least = fmin(least, covered), most = fmax(most, covered);
+    }
+    *ragged = (double)(most - least);
+    ffp_gaussians_free(&wall);
+}
+
+static void test_outlines_are_smooth_in_large_pictures_alone(void **state) {
+    (void)state;
+    for (int times = 1; times <= 8; times *= 2) {
+        double ragged[2] = {0}, width[2] = {0};
+        FfpImage picture[2];
+        for (int smooth = 0; smooth < 2; smooth++)
+            draw_wall(times, smooth, &ragged[smooth], &width[smooth], &picture[smooth]);
+        if (times == 1)
+            assert_memory_equal(picture[0].data, picture[1].data, sizeof(real) * 3 * PHOTOGRAPH * PHOTOGRAPH);
+        if (times < 4) assert_true(ragged[0] < 0.1 && ragged[1] < 0.1);
+        if (times >= 4) assert_true(ragged[0] > 0.5 && ragged[1] < 0.2 * ragged[0]);
+        if (times >= 4) assert_true(width[0] > 3 && width[1] < 2.5); // as narrow as the edge of anything
+        ffp_image_free(&picture[0]), ffp_image_free(&picture[1]);
+    }
+}
+
 static void gradient_with(int threads, FfpGaussians *g, FfpGaussians *grad, FfpImage *picture) {
     const FfpCamera camera = look_at(WIDTH, HEIGHT, 14, eye, origin);
     const FfpCamera projector = look_at(31, 29, 30, beside, origin);
@@ -147,6 +197,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_parts_by_hand),
         cmocka_unit_test(test_outline_is_straight_alpha),
+        cmocka_unit_test(test_outlines_are_smooth_in_large_pictures_alone),
         cmocka_unit_test(test_same_bits_for_any_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

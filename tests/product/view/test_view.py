@@ -168,7 +168,13 @@ def check_pictures(check, page, program, ply, data, folder):
                 viewer.scene.patterns.findIndex((p) => p.name === {pattern!r}))))()""")
             width, height, wanted = read_png(os.path.join(folder, f"{name}_{pattern}.png"))
             scores.append(psnr(page.pixels(width, height), wanted, 4))
+    subprocess.run([program, "render", ply, "--capture", data, "-o", folder, "--size", "480", "--view", name, "--poses", os.path.join(data, "targets.json"),
+                    "--pattern=all_white"], check=True, stdout=subprocess.DEVNULL)
+    page.run("(async () => viewer.setContent(await patternContent(viewer.scene, viewer.scene.patterns.findIndex((p) => p.name === 'all_white'))))()")
+    width, height, wanted = read_png(os.path.join(folder, f"{name}_all_white.png"))
+    large = psnr(page.pixels(width, height), wanted, 4)
     page.hold(False)
+    check("the outline of a large picture, too", large >= LEAST, f"{large:.2f} dB, smoothed by {page.run('viewer.renderer.view.deviation'):.2f} px")
     check("pictures as ffprocams render draws them", len(scores) == 42 and min(scores) >= LEAST and
           sum(scores) / len(scores) >= MEAN, f"{len(scores)} pictures, mean {sum(scores) / len(scores):.2f} dB, least {min(scores):.2f} dB")
 
