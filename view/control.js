@@ -101,6 +101,16 @@ const applyControl = attempt(async (app, address, values) => {
   app.controlled = setTimeout(() => app.history.note(), 500);
 });
 
+// Messages as they came: those of a bundle one after the other, others do not wait for the films that one loads.
+function applyEvents(events, apply) {
+  const bundles = new Map();
+  for (const {address, values, bundle} of events) {
+    if (bundle === undefined) apply(address, values);
+    else bundles.set(bundle, [...(bundles.get(bundle) || []), () => apply(address, values)]);
+  }
+  for (const work of bundles.values()) work.reduce((before, next) => before.then(next), Promise.resolve());
+}
+
 // OSC messages, which the studio receives: asked for again as soon as an answer comes, which waits until there are some.
 async function followStudio(app) {
   const studio = /^(\/[0-9a-f]{32}\/)file\//.exec(location.pathname);
@@ -111,7 +121,7 @@ async function followStudio(app) {
       const answer = await (await fetch(`${studio[1]}control${known === null ? '' : `?known=${known}`}`)).json();
       if (!answer.osc) return;
       if (known === null) $('osc').textContent = `OSC: ${answer.osc}`;
-      for (const {address, values} of answer.events) applyControl(app, address, values); // none waits for films that another loads
+      applyEvents(answer.events, (address, values) => applyControl(app, address, values));
       known = answer.number, failed = 0;
       if (answer.events.length || performance.now() - began > 100) continue;
     } catch {

@@ -245,7 +245,7 @@ function checkPlace(p) {
   const place = {
     x: amount('x', -SHIFT_MAX, SHIFT_MAX), y: amount('y', -SHIFT_MAX, SHIFT_MAX), width: amount('width', ...FACTOR), height: amount('height', ...FACTOR),
     turn: amount('turn', -360, 360), pull: pairs('layers: pull', p.pull, 4), crop: list('layers: crop', p.crop, 4).map((x) => number('layers: crop', x, 0, 1)),
-    mask: p.mask ? pairs('layers: mask', p.mask, MASK_MAX) : null, opacity: amount('opacity', 0, 1),
+    mask: p.mask ? pairs('layers: mask', p.mask, MASK_MAX) : null, opacity: amount('opacity', 0, 1), feather: amount('feather', 0, FEATHER_MAX),
   };
   if (place.pull.length !== 4 || place.pull.some((pair) => pair.length !== 2) || place.crop.length !== 4) throw new Message("The stage's layers: pull or crop has not four corners or sides.");
   if (!isConvex(cornersOf(layerFrame(place, null, 'contain', 1, 1)))) throw new Message("The stage's layers: pull folds a layer.");

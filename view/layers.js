@@ -25,16 +25,36 @@ function scratch(name, width, height) {
 
 // The source in a box at the origin, without what crop and mask take away.
 function paintCut(context, {source, place}, width, height) {
-  const clip = (points) => {
-    context.beginPath();
-    points.forEach(([u, v], k) => k ? context.lineTo(u * width, v * height) : context.moveTo(u * width, v * height));
-    context.clip();
-  };
+  const parts = [...(place.crop.some(Boolean) ? [cropped(place)] : []), ...(place.mask && place.mask.length > 2 ? [place.mask] : [])];
+  if (parts.length && place.feather > 0) return paintFeathered(context, source, parts, place.feather * Math.min(width, height), width, height);
   context.save();
-  if (place.crop.some(Boolean)) clip(cropped(place));
-  if (place.mask && place.mask.length > 2) clip(place.mask);
+  for (const points of parts) context.clip(polygonOf(points, width, height));
   source.paint(context, width, height);
   context.restore();
+}
+
+function polygonOf(points, width, height) {
+  const path = new Path2D();
+  points.forEach(([u, v], k) => k ? path.lineTo(u * width, v * height) : path.moveTo(u * width, v * height));
+  path.closePath();
+  return path;
+}
+
+// The same with soft edges, `wide` pixels: the parts are blurred, and what they leave is kept. Where a browser has no blur
+// they stay hard.
+function paintFeathered(context, source, parts, wide, width, height) {
+  const [w, h] = [width, height].map((side) => clamp(Math.ceil(side), 1, WARP_MAX)), whole = scratch('feathered', w, h), mask = scratch('mask', w, h);
+  source.paint(whole, w, h);
+  for (const points of parts) {
+    mask.clearRect(0, 0, w, h);
+    mask.filter = `blur(${wide * Math.max(w / width, h / height) / 4}px)`; // four deviations
+    mask.fill(polygonOf(points, w, h));
+    mask.filter = 'none';
+    whole.globalCompositeOperation = 'destination-in';
+    whole.drawImage(mask.canvas, 0, 0);
+  }
+  whole.globalCompositeOperation = 'source-over';
+  context.drawImage(whole.canvas, 0, 0, width, height);
 }
 
 // A layer whose corners are pulled is drawn by the graphics driver, as a picture in perspective.

@@ -1,14 +1,15 @@
 'use strict';
-// Where a layer lies in a projector's picture. Places are {x, y, width, height, turn, pull, crop, mask, opacity}: the middle's
-// distance from the picture's middle in shares of the picture; factors of the fitted size; degrees clockwise; how far each
-// corner is pulled, in shares of the layer's own width and height; shares cut away; a polygon that is shown, or null.
+// Where a layer lies in a projector's picture. Places are {x, y, width, height, turn, pull, crop, mask, opacity, feather}: the
+// middle's distance from the picture's middle in shares of the picture; factors of the fitted size; degrees clockwise; how far
+// each corner is pulled, in shares of the layer's own width and height; shares cut away; a polygon that is shown, or null; the
+// width of the edge that crop and mask leave, a share of the layer's shorter side.
 // Corners begin at the top left and go clockwise; crop and mask are in the layer's unit square, u to the right and v down.
 // No document, no drawing: tests run it alone.
 
 const CORNERS = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]], UNIT = [[0, 0], [1, 0], [1, 1], [0, 1]];
-const FACTOR = [0.01, 50], SHIFT_MAX = 5, PULL_MAX = 5, CROP_LEAST = 0.01, MASK_MAX = 200;
+const FACTOR = [0.01, 50], SHIFT_MAX = 5, PULL_MAX = 5, CROP_LEAST = 0.01, MASK_MAX = 200, FEATHER_MAX = 0.5;
 
-const newPlace = () => ({x: 0, y: 0, width: 1, height: 1, turn: 0, pull: [[0, 0], [0, 0], [0, 0], [0, 0]], crop: [0, 0, 0, 0], mask: null, opacity: 1});
+const newPlace = () => ({x: 0, y: 0, width: 1, height: 1, turn: 0, pull: [[0, 0], [0, 0], [0, 0], [0, 0]], crop: [0, 0, 0, 0], mask: null, opacity: 1, feather: 0});
 
 // The size at which a source, [width, height] or null (any), fits into a picture before it is placed.
 function fittedSize(size, width, height, fit) {

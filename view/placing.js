@@ -191,6 +191,7 @@ const PLACE_FIELDS = [
   ['Width', '%', (place) => 100 * place.width, (place, v) => ({...place, width: within(v / 100, FACTOR)})],
   ['Height', '%', (place) => 100 * place.height, (place, v) => ({...place, height: within(v / 100, FACTOR)})],
   ['Turn', '°', (place) => place.turn, (place, v) => ({...place, turn: within(v, [-180, 180])})],
+  ['Soft edge of crop and mask', '%', (place) => 100 * place.feather, (place, v) => ({...place, feather: within(v / 100, [0, FEATHER_MAX])})],
   ['Opacity', '%', (place) => 100 * place.opacity, (place, v) => ({...place, opacity: within(v / 100, [0, 1])})],
   ...['left', 'top', 'right', 'bottom'].map((side, k) => [`Crop ${side}`, '%', (place) => 100 * place.crop[k], (place, v) => ({
     ...place, crop: place.crop.map((old, i) => i === k ? within(v / 100, [0, 1 - CROP_LEAST - place.crop[(k + 2) % 4]]) : old),
@@ -201,8 +202,8 @@ const PLACE_FIELDS = [
   }])),
 ];
 
-const SHORT = Object.fromEntries(['Top left ↖', 'Top right ↗', 'Bottom right ↘', 'Bottom left ↙'].flatMap((text) =>
-  [['across', '↔'], ['down', '↕']].map(([axis, arrow]) => [`${text.slice(0, -2)}, ${axis}`, `${text.slice(-1)} ${arrow}`])));
+const SHORT = {'Soft edge of crop and mask': 'Soft edge', ...Object.fromEntries(['Top left ↖', 'Top right ↗', 'Bottom right ↘', 'Bottom left ↙'].flatMap((text) =>
+  [['across', '↔'], ['down', '↕']].map(([axis, arrow]) => [`${text.slice(0, -2)}, ${axis}`, `${text.slice(-1)} ${arrow}`])))};
 
 function buildPlace(app) {
   const flat = app.flat = new FlatPicture(app);

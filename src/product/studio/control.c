@@ -127,7 +127,10 @@ void ffp_studio_controlled(FfpStudio *studio) {
         if (size < 0) return; // no more, or one that the system refused
         json_t *found = size <= PACKET_MOST ? ffp_studio_osc(bytes, (size_t)size) : NULL, *message;
         size_t k;
+        const uint64_t first = studio->controlled;
+        const bool together = json_array_size(found) > 1; // a bundle
         json_array_foreach(found, k, message) {
+            if (together) json_object_set_new(message, "bundle", json_integer((json_int_t)first));
             json_array_append(studio->controls, message);
             studio->controlled++;
         }

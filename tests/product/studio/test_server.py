@@ -604,7 +604,7 @@ def control_from_outside(program, folder, seconds):
     send(osc("/cue", "sTFihd", "Ende \u00e4", 7, -(1 << 40), 0.5))
     assert asked(2)["events"] == [{"address": "/cue", "values": ["Ende \u00e4", True, False, 7, -(1 << 40), 0.5]}]
     send(bundle(osc("/a"), bundle(osc("/b", "i", 1)), osc("/c", "")))
-    assert [event["address"] for event in asked(3)["events"]] == ["/a", "/b", "/c"]
+    assert [(event["address"], event["bundle"]) for event in asked(3)["events"]] == [("/a", 3), ("/b", 3), ("/c", 3)]
 
     good, deep = osc("/go", "i", 1), osc("/x")
     for _ in range(6):

@@ -6,6 +6,7 @@ is worth against the truth.
 
 Exits with 77 and a line where there is no browser, and where the program was built without the studio."""
 import atexit
+import base64
 import json
 import math
 import os
@@ -163,7 +164,8 @@ def go_without_board(program, found, folder, pictures):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    studio, page, began = Studio(program, folder, "--virtual", "--osc", str(port)), Page(found, 1400, 900), time.monotonic()
+    film = Film(folder.with_suffix(".y4m"), 480, 360)
+    studio, page, began = Studio(program, folder, "--virtual", "--osc", str(port)), Page(found, 1400, 900, [film.option]), time.monotonic()
     try:
         page.start(studio.url)
         page.shots(pictures, "rig-alone")
@@ -180,6 +182,7 @@ def go_without_board(program, found, folder, pictures):
         controlled(page, port)
         compared_now(page)
         watched(page)
+        watched_by_webcam(page, program, folder, film)
         assert not page.said, page.said
     finally:
         page.close()
@@ -232,6 +235,62 @@ def watched(page):
     assert page.run("""(() => { const {viewer} = document.getElementById('viewer').contentWindow, {pose} = viewer.projectors[0].device;
         return pose.every((x, i) => x === watching.poses.projector[i]); })()""")  # the viewer has followed
     assert "Nothing has moved" in look(0, "view-090")
+
+
+class Film:
+    """What a browser's camera sees: one picture, which the browser reads again for each frame."""
+
+    def __init__(self, path, width, height):
+        self.path, self.head = path, f"YUV4MPEG2 W{width} H{height} F30:1 Ip A1:1 C420jpeg\nFRAME\n".encode()
+        path.write_bytes(self.head + b"\x80" * (width * height * 3 // 2))
+        self.option = f"--use-file-for-fake-video-capture={path}"
+
+    def show(self, frame):
+        with open(self.path, "r+b") as out:
+            out.seek(len(self.head))
+            out.write(frame)
+
+
+def planar(pictures):
+    """PNG files as frames (4:2:0), one after the other."""
+    return subprocess.run(["ffmpeg", "-loglevel", "error", "-f", "image2pipe", "-c:v", "png", "-i", "-", "-pix_fmt", "yuv420p", "-f", "rawvideo", "-"],
+                          input=b"".join(pictures), check=True, stdout=subprocess.PIPE).stdout
+
+
+def watched_by_webcam(page, program, folder, film):
+    """The same by this browser's camera, which sees what the simulator photographs of the show's picture."""
+    settings = page.run("studio.state.settings")
+
+    def photograph(turned):
+        place, stops = (45, STOPS) if turned == 0 else (45 + turned, 360)
+        shown, seen = folder / "trial/shown", folder / f"trial/{place}"
+        shown.mkdir(parents=True, exist_ok=True)
+        picture = page.run("pictureOfShow(viewerOf()).then(({blob}) => new Promise((done) => { const read = new FileReader(); "
+                           "read.onload = () => done(read.result.split(',')[1]); read.readAsDataURL(blob); }))")
+        (shown / "999_own.png").write_bytes(base64.b64decode(picture))
+        shutil.rmtree(seen, ignore_errors=True)
+        subprocess.run([program, "generate", seen, "--photographs", shown, "--only", f"view-{place:03d}", "--attitudes", str(settings["attitudes"]),
+                        "--views", str(stops), *settings["simulator"]], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        film.show(planar([next(seen.glob("view-*/*.png")).read_bytes()]))
+
+    def look(turned):
+        photograph(turned)
+        time.sleep(0.5)
+        page.run("window.told = []; window.said = ''; new MutationObserver(() => told.push(document.getElementById('watch-says').textContent))"
+                 ".observe(document.getElementById('watch-says'), {childList: true}); "
+                 "lookOnce().then((text) => { window.said = text; }, (error) => { window.said = error.stack; }); true")
+        page.wait("!!window.said", LONG)
+        said = page.run("window.said")
+        print(f"watched by webcam, the table off by {turned} degrees: {said} {page.run('told')}", flush=True)
+        return said
+
+    page.run("doIt({verb: 'set', settings: {camera: 'browser'}}).then(() => openCamera()).then(() => { document.getElementById('now-view').value = 'view-045'; return true; })")
+    page.run("beginAgain(watching, null, Uint32Array.of()); true")
+    said = [look(turned) for turned in (0, 0, 0, 2)]
+    turns = [float(word) for word in re.findall(r"by ([\d.]+)°", said[3])]
+    assert all("Nothing has moved" in text for text in said[:3]) and len(turns) == 2 and all(abs(turn - 2) < 0.5 for turn in turns), said
+    assert any("Something has moved" in text for text in page.run("told")), page.run("told")  # at once, by the photographs alone
+    page.run("doIt({verb: 'set', settings: {camera: 'virtual'}}).then(() => true)")
 
 
 # --- Other cameras, which see what the simulated one saw. ---
@@ -348,8 +407,7 @@ def frames_of(first, stages):
     frames, size = {}, None
     for stage in stages:
         files = sorted((first / "virtual" / stage / stage).glob("*.png"))
-        data = subprocess.run(["ffmpeg", "-loglevel", "error", "-f", "image2pipe", "-c:v", "png", "-i", "-", "-pix_fmt", "yuv420p", "-f", "rawvideo", "-"],
-                              input=b"".join(file.read_bytes() for file in files), check=True, stdout=subprocess.PIPE).stdout
+        data = planar(file.read_bytes() for file in files)
         one = len(data) // len(files)
         frames.update({file: data[i * one:(i + 1) * one] for i, file in enumerate(files)})
         head = files[0].read_bytes()[16:24]
@@ -359,18 +417,16 @@ def frames_of(first, stages):
 
 def fake_camera(program, found, folder, first):
     """This browser's camera, whose film is the photograph that is due."""
-    film, boards = folder / "camera.y4m", [f"attitude-{i:02d}" for i in range(4)]
+    boards = [f"attitude-{i:02d}" for i in range(4)]
     size, frames = frames_of(first, [*boards, "turntable", "empty", *(f"view-{45 * i:03d}" for i in range(STOPS))])
-    head = f"YUV4MPEG2 W{size[0]} H{size[1]} F30:1 Ip A1:1 C420jpeg\nFRAME\n".encode()
-    film.write_bytes(head + next(iter(frames.values())))
+    film = Film(folder / "camera.y4m", *size)
+    film.show(next(iter(frames.values())))
 
     def show(file):
-        with open(film, "r+b") as out:  # the same file: the browser reads it again for each frame
-            out.seek(len(head))
-            out.write(frames[file])
+        film.show(frames[file])
 
     studio = Studio(program, folder / "browser", "--virtual")
-    page = Page(found, 1400, 900, [f"--use-file-for-fake-video-capture={film}"])
+    page = Page(found, 1400, 900, [film.option])
     try:
         page.start(studio.url)
         page.click("[data-camera=browser]")

@@ -5,8 +5,8 @@ const assert = require('assert'), fs = require('fs'), path = require('path'), vm
 const sandbox = {attempt: (work) => work};
 vm.createContext(sandbox);
 vm.runInContext(fs.readFileSync(path.join(__dirname, '../../../view/control.js'), 'utf8') +
-                '\nglobalThis.api = {CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, BINDINGS_MAX};', sandbox);
-const {CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, BINDINGS_MAX} = sandbox.api;
+                '\nglobalThis.api = {CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, applyEvents, BINDINGS_MAX};', sandbox);
+const {CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, applyEvents, BINDINGS_MAX} = sandbox.api;
 const plain = (value) => JSON.parse(JSON.stringify(value === undefined ? null : value)); // objects of this realm
 const same = (a, b) => assert.deepStrictEqual(plain(a), b);
 
@@ -50,4 +50,14 @@ same(valuesOfMidi('/nothing', pad(1)), null);
 same(checkBindings({'note 1 60': '/go', 'bend 2': '/fade', 'note 1 60; x': '/go', 'control 1 7': '/nothing', 'program 1 2': null}), {'note 1 60': '/go', 'bend 2': '/fade'});
 for (const wrong of [null, undefined, 3, 'note', []]) same(checkBindings(wrong), {});
 same(Object.keys(checkBindings(Object.fromEntries(Array.from({length: 999}, (_, i) => [`note 1 ${i}`, '/go'])))).length, BINDINGS_MAX);
-console.log('control: all passed');
+
+// A bundle's messages wait for each other, in order; nothing else waits for them.
+const order = [];
+applyEvents([{address: 'slow', bundle: 4}, {address: 'then', bundle: 4}, {address: 'alone'}, {address: 'other', bundle: 9}], (address) => {
+  const end = () => order.push(address);
+  return address === 'slow' ? new Promise((done) => setTimeout(() => { end(); done(); }, 50)) : end();
+});
+setTimeout(() => {
+  same(order, ['alone', 'other', 'slow', 'then']);
+  console.log('control: all passed');
+}, 200);

@@ -659,6 +659,9 @@ def check_place(check, page):
     page.run("idle()")
     mask = [mean(0.3, 0.49, 0.4, 0.51), mean(0.6, 0.49, 0.7, 0.51)]
     check("crop and mask take away what they should", crop == mask == [[0, 0, 255], [255, 255, 255]], f"{crop} {mask}")
+    page.run("(() => { const input = document.querySelector('#numbers [aria-label^=\"Soft edge\"]'); input.value = 40; input.dispatchEvent(new Event('input', {bubbles: true})); })()")
+    soft = [mean(at, 0.49, at + 0.01, 0.51)[0] for at in (0.35, 0.47, 0.495, 0.52, 0.65)]
+    check("the edge of a mask is soft", soft[0] < 5 and 20 < soft[1] < soft[2] < soft[3] < 235 and abs(soft[2] - 128) < 20 and soft[4] > 250, f"{soft}")
     page.click("#reset-place")
     page.run("(() => { const input = document.querySelector('#numbers [aria-label=Turn]'); input.value = 90; input.dispatchEvent(new Event('input', {bubbles: true})); })()")
     turned = [mean(0.2, 0.49, 0.22, 0.51), mean(0.49, 0.2, 0.51, 0.22)]
