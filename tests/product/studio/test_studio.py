@@ -238,7 +238,7 @@ def watched(page):
 
 
 class Film:
-    """What a browser's camera sees: one picture, which the browser reads again for each frame."""
+    """The film before a browser's camera: one picture, which the browser reads again for each frame."""
 
     def __init__(self, path, width, height):
         self.path, self.head = path, f"YUV4MPEG2 W{width} H{height} F30:1 Ip A1:1 C420jpeg\nFRAME\n".encode()
@@ -259,7 +259,7 @@ def planar(pictures):
 
 def watched_by_webcam(page, program, folder, film):
     """The same by this browser's camera, which sees what the simulator photographs of the show's picture."""
-    settings = page.run("studio.state.settings")
+    settings = json.loads((folder / "studio.json").read_text())
 
     def photograph(turned):
         place, stops = (45, STOPS) if turned == 0 else (45 + turned, 360)
@@ -276,12 +276,12 @@ def watched_by_webcam(page, program, folder, film):
     def look(turned):
         photograph(turned)
         time.sleep(0.5)
-        page.run("window.told = []; window.said = ''; new MutationObserver(() => told.push(document.getElementById('watch-says').textContent))"
+        page.run("window.heard = []; window.said = ''; new MutationObserver(() => heard.push(document.getElementById('watch-says').textContent))"
                  ".observe(document.getElementById('watch-says'), {childList: true}); "
                  "lookOnce().then((text) => { window.said = text; }, (error) => { window.said = error.stack; }); true")
         page.wait("!!window.said", LONG)
         said = page.run("window.said")
-        print(f"watched by webcam, the table off by {turned} degrees: {said} {page.run('told')}", flush=True)
+        print(f"watched by webcam, the table off by {turned} degrees: {said} {page.run('heard')}", flush=True)
         return said
 
     page.run("doIt({verb: 'set', settings: {camera: 'browser'}}).then(() => openCamera()).then(() => { document.getElementById('now-view').value = 'view-045'; return true; })")
@@ -289,7 +289,7 @@ def watched_by_webcam(page, program, folder, film):
     said = [look(turned) for turned in (0, 0, 0, 2)]
     turns = [float(word) for word in re.findall(r"by ([\d.]+)°", said[3])]
     assert all("Nothing has moved" in text for text in said[:3]) and len(turns) == 2 and all(abs(turn - 2) < 0.5 for turn in turns), said
-    assert any("Something has moved" in text for text in page.run("told")), page.run("told")  # at once, by the photographs alone
+    assert any("Something has moved" in text for text in page.run("heard")), page.run("heard")  # at once, by the photographs alone
     page.run("doIt({verb: 'set', settings: {camera: 'virtual'}}).then(() => true)")
 
 
