@@ -59,6 +59,12 @@ function inverseHomography([a, b, c, d, e, f, g, h, i]) {
   return [e * i - f * h, c * h - b * i, b * f - c * e, f * g - d * i, a * i - c * g, c * d - a * f, d * h - e * g, b * g - a * h, a * e - b * d];
 }
 
+// Upright and whole, as large as a part of the picture allows, [left, top, right, bottom] in shares of it.
+function placeInPart({place, fitted, width, height}, [left, top, right, bottom]) {
+  const factor = within(Math.min((right - left) * width / fitted[0], (bottom - top) * height / fitted[1]), FACTOR), {pull} = newPlace();
+  return {...place, x: (left + right - 1) / 2, y: (top + bottom - 1) / 2, width: factor, height: factor, turn: 0, pull};
+}
+
 const homographyOf = (frame) => homographyTo(cornersOf(frame));
 const toUnit = (frame, at) => throughHomography(inverseHomography(homographyOf(frame)), at);
 const isPulled = (place) => place.pull.some(([a, b]) => a !== 0 || b !== 0);

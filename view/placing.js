@@ -184,6 +184,20 @@ function buildLayers(app) {
   });
 }
 
+// The part of a device's picture in which splats lie, shares of it: [left, top, right, bottom]; the outermost ones do not count.
+function partOf({count, centre, opacity}, device) {
+  const across = [], down = [];
+  for (let i = 0; i < count; i += Math.floor(count / 20000) + 1) {
+    if (opacity[i] < 0.5) continue;
+    const [x, y, z] = project(device, [centre[3 * i], centre[3 * i + 1], centre[3 * i + 2]]);
+    if (z > 0) across.push(x / device.width), down.push(y / device.height);
+  }
+  if (!across.length) return [0, 0, 1, 1];
+  const ends = (values) => { values.sort((a, b) => a - b); return [0.01, 0.99].map((share) => clamp(values[Math.floor(share * (values.length - 1))], 0, 1)); };
+  const [left, right] = ends(across), [top, bottom] = ends(down);
+  return [left, top, right, bottom];
+}
+
 // Numbers of a place: [name, unit, how it is read, the place with another].
 const PLACE_FIELDS = [
   ['Across', '%', (place) => 100 * place.x, (place, v) => ({...place, x: shifted(v / 100)})],
@@ -191,7 +205,6 @@ const PLACE_FIELDS = [
   ['Width', '%', (place) => 100 * place.width, (place, v) => ({...place, width: within(v / 100, FACTOR)})],
   ['Height', '%', (place) => 100 * place.height, (place, v) => ({...place, height: within(v / 100, FACTOR)})],
   ['Turn', '°', (place) => place.turn, (place, v) => ({...place, turn: within(v, [-180, 180])})],
-  ['Soft edge of crop and mask', '%', (place) => 100 * place.feather, (place, v) => ({...place, feather: within(v / 100, [0, FEATHER_MAX])})],
   ['Opacity', '%', (place) => 100 * place.opacity, (place, v) => ({...place, opacity: within(v / 100, [0, 1])})],
   ...['left', 'top', 'right', 'bottom'].map((side, k) => [`Crop ${side}`, '%', (place) => 100 * place.crop[k], (place, v) => ({
     ...place, crop: place.crop.map((old, i) => i === k ? within(v / 100, [0, 1 - CROP_LEAST - place.crop[(k + 2) % 4]]) : old),
@@ -200,6 +213,7 @@ const PLACE_FIELDS = [
     const pull = place.pull.map((old, j) => j === k ? old.map((o, axis) => axis === i ? within(v / 100, [-PULL_MAX, PULL_MAX]) : o) : old), next = {...place, pull};
     return isConvex(cornersOf(layerFrame(next, null, 'contain', 1, 1))) ? next : place;
   }])),
+  ['Soft edge of crop and mask', '%', (place) => 100 * place.feather, (place, v) => ({...place, feather: within(v / 100, [0, FEATHER_MAX])})],
 ];
 
 const SHORT = {'Soft edge of crop and mask': 'Soft edge', ...Object.fromEntries(['Top left ↖', 'Top right ↗', 'Bottom right ↘', 'Bottom left ↙'].flatMap((text) =>
@@ -227,6 +241,10 @@ function buildPlace(app) {
     const {place} = app.projector.layer, kept = newPlace();
     app.placed(flat.what === 'mask' ? {...place, mask: null} : flat.what === 'crop' ? {...place, crop: kept.crop} : flat.what === 'corners' ? {...place, pull: kept.pull}
       : {...place, x: 0, y: 0, width: 1, height: 1, turn: 0}, false);
+  };
+  $('fit-object').onclick = () => {
+    const {projector, scene} = app, {layer} = projector, device = projector.corrected ? app.watcherOf(projector) : projector.device;
+    app.placed(placeInPart(layer.frame(device.width, device.height), partOf(scene.splats, device)), false);
   };
   pick('size');
 }

@@ -101,6 +101,10 @@ var testsOfPlace = async () => {
   history = undo();
   for (let i = 0; i < 2 * UNDO_MAX; i++) work.value = 100 + i, history.note();
   check('steps are bounded', history.states.length === UNDO_MAX && history.at === UNDO_MAX - 1, history.states.length);
+  const fit = placeInPart(frame, [0.5, 0.25, 0.75, 0.75]); // 200 of 800 pixels for 800, 300 of 600 for 400
+  check('as large as a part', near([[fit.x, fit.y, fit.width, fit.height, fit.turn], ...fit.pull], [[0.125, 0, 0.25, 0.25, 0], [0, 0], [0, 0], [0, 0], [0, 0]]), JSON.stringify(fit));
+  const tall = cornersOf(withPlace(placeInPart(frame, [0.1, 0.4, 0.9, 0.6]))); // 120 pixels high
+  check('it lies there', near(tall, [[280, 240], [520, 240], [520, 360], [280, 360]], 1e-6), JSON.stringify(tall));
   return failures;
 };
 

@@ -663,6 +663,12 @@ def check_place(check, page):
     soft = [mean(at, 0.49, at + 0.01, 0.51)[0] for at in (0.35, 0.47, 0.495, 0.52, 0.65)]
     check("the edge of a mask is soft", soft[0] < 5 and 20 < soft[1] < soft[2] < soft[3] < 235 and abs(soft[2] - 128) < 20 and soft[4] > 250, f"{soft}")
     page.click("#reset-place")
+    page.click("#fit-object")
+    part = page.run("(() => { const {width, height} = viewer.projector.device, corners = cornersOf(viewer.projector.layer.frame(width, height)); return [0, 2].flatMap((k) => [corners[k][0] / width, corners[k][1] / height]); })()")
+    seen = page.run("partOf(viewer.scene.splats, viewer.projector.device)")
+    check("a layer is as large as the object", all(part[k] > seen[k] - 0.01 and part[k + 2] < seen[k + 2] + 0.01 for k in (0, 1)) and 0.15 < part[2] - part[0] < 0.9, f"{part} in {seen}")
+    page.click("[data-what=size]")
+    page.click("#reset-place")
     page.run("(() => { const input = document.querySelector('#numbers [aria-label=Turn]'); input.value = 90; input.dispatchEvent(new Event('input', {bubbles: true})); })()")
     turned = [mean(0.2, 0.49, 0.22, 0.51), mean(0.49, 0.2, 0.51, 0.22)]
     page.run("(() => { const input = document.querySelector('#numbers [aria-label=Opacity]'); input.value = 50; input.dispatchEvent(new Event('input', {bubbles: true})); })()")
