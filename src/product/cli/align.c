@@ -84,13 +84,8 @@ static void set_defaults(void *data) {
 }
 
 static const FfpOption options[] = {
-    {.name = "output",
-     .letter = 'o',
-     .argument = "DIR",
-     .type = FFP_OPTION_FOLDER,
-     .required = true,
-     .offset = offsetof(Arguments, output),
-     .help = "folder for the capture with corrected poses; it must be new or empty"},
+    FFP_CLI_FOLDER(offsetof(Arguments, output),
+                   "folder for the capture with corrected poses; it must be new or empty"),
     {.name = "pattern",
      .letter = 'p',
      .argument = "NAME",
@@ -98,10 +93,7 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, options.pattern),
      .help = "the structured-light pattern to align by (default: as for `reconstruct`); with --gaussians the "
              "picture whose photograph is looked at, which may be any (default: all photographs)"},
-    {.name = "json",
-     .type = FFP_OPTION_FLAG,
-     .offset = offsetof(Arguments, json),
-     .help = "print the figures as JSON instead"},
+    FFP_CLI_JSON(offsetof(Arguments, json), "print the figures as JSON instead"),
     {.name = "gaussians",
      .letter = 'g',
      .argument = "FILE.ply",

@@ -238,11 +238,9 @@ static int run(void *data) {
 #define WITHOUT "without a board: from the codes on anything"
 
 static const FfpOption options[] = {
-    {.name = "json",
-     .type = FFP_OPTION_FLAG,
-     .offset = offsetof(Arguments, json),
-     .help =
-         "print the figures as JSON instead, with the findings: doubts with their codes, views and advice"},
+    FFP_CLI_JSON(
+        offsetof(Arguments, json),
+        "print the figures as JSON instead, with the findings: doubts with their codes, views and advice"),
     {.name = "board",
      .argument = "CxR",
      .type = FFP_OPTION_PARSED,

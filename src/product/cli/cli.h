@@ -83,6 +83,33 @@ extern const FfpWord ffp_cli_framings[], ffp_cli_up[], ffp_cli_auto[], ffp_cli_l
         .name = "capture", .letter = 'c', .argument = "CAPTURE", .type = FFP_OPTION_FILE, .required = true,  \
         .offset = (place), .help = (text)                                                                    \
     }
+#define FFP_CLI_FOLDER(place, text)                                                                          \
+    {                                                                                                        \
+        .name = "output", .letter = 'o', .argument = "DIR", .type = FFP_OPTION_FOLDER, .required = true,     \
+        .offset = (place), .help = (text)                                                                    \
+    }
+#define FFP_CLI_FILE(place, file, text)                                                                      \
+    {                                                                                                        \
+        .name = "output", .letter = 'o', .argument = (file), .type = FFP_OPTION_FILE, .writes = true,        \
+        .required = true, .offset = (place), .help = (text)                                                  \
+    }
+#define FFP_CLI_VIEWS(place, text)                                                                           \
+    {                                                                                                        \
+        .name = "view", .letter = 'v', .argument = "ID", .type = FFP_OPTION_TEXT, .repeated = true,          \
+        .offset = (place), .help = (text)                                                                    \
+    }
+#define FFP_CLI_PATTERNS(place, text)                                                                        \
+    {                                                                                                        \
+        .name = "pattern", .letter = 'p', .argument = "NAME", .type = FFP_OPTION_TEXT, .repeated = true,     \
+        .offset = (place), .help = (text)                                                                    \
+    }
+#define FFP_CLI_MODEL(place, text)                                                                           \
+    {                                                                                                        \
+        .name = "model", .letter = 'm', .argument = "FILE|none", .type = FFP_OPTION_FILE, .offset = (place), \
+        .words = ffp_cli_none, .help = (text)                                                                \
+    }
+#define FFP_CLI_JSON(place, text)                                                                            \
+    { .name = "json", .type = FFP_OPTION_FLAG, .offset = (place), .help = (text) }
 #define FFP_CLI_POSES(place)                                                                                 \
     {                                                                                                        \
         .name = "poses", .argument = "FILE", .type = FFP_OPTION_FILE, .offset = (place),                     \

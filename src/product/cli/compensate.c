@@ -101,16 +101,10 @@ static const FfpOption options[] = {
      .high = 1000,
      .group = "films",
      .help = "frames per second of the video. Default: 15"},
-    {.name = "output",
-     .letter = 'o',
-     .argument = "FILE.png",
-     .type = FFP_OPTION_FILE,
-     .writes = true,
-     .required = true,
-     .offset = offsetof(Arguments, how.pattern),
-     .help =
-         "the pattern to project; with several projectors FILE_<view>.png. Written beside it: "
-         "FILE_seen_<view>.png, what the camera will see, and FILE_target_<view>.png, what it should see"},
+    FFP_CLI_FILE(
+        offsetof(Arguments, how.pattern), "FILE.png",
+        "the pattern to project; with several projectors FILE_<view>.png. Written beside it: "
+        "FILE_seen_<view>.png, what the camera will see, and FILE_target_<view>.png, what it should see"),
     FFP_CLI_POSES(offsetof(Arguments, how.poses)),
     {.name = "gain",
      .excludes = "paint",

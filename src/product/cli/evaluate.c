@@ -115,14 +115,9 @@ static void set_defaults(void *data) {
 }
 
 static const FfpOption options[] = {
-    {.name = "model",
-     .letter = 'm',
-     .argument = "FILE|none",
-     .type = FFP_OPTION_FILE,
-     .offset = offsetof(Arguments, model),
-     .words = ffp_cli_none,
-     .help = "weights, or `none` for the classical initialisation. Default: the shipped "
-             "models/small.safetensors"},
+    FFP_CLI_MODEL(offsetof(Arguments, model),
+                  "weights, or `none` for the classical initialisation. Default: the shipped "
+                  "models/small.safetensors"),
     {.name = "gaussians",
      .letter = 'g',
      .argument = "FILE",
@@ -150,15 +145,11 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, targets),
      .help = "poses and pictures for novel_pose (targets.json or scene.json): one for all captures, or one "
              "for each; a relative path is looked up in each capture's folder first"},
-    {.name = "pattern",
-     .letter = 'p',
-     .argument = "NAME",
-     .type = FFP_OPTION_TEXT,
-     .repeated = true,
-     .offset = offsetof(Arguments, patterns),
-     .help = "a structured-light pattern to use, may be repeated, as for `reconstruct`. Default: the first "
-             "that every view has and that is not held out. With --gaussians: the patterns that the PLY was "
-             "made from, which then do not count as `unseen`"},
+    FFP_CLI_PATTERNS(
+        offsetof(Arguments, patterns),
+        "a structured-light pattern to use, may be repeated, as for `reconstruct`. Default: the first "
+        "that every view has and that is not held out. With --gaussians: the patterns that the PLY was "
+        "made from, which then do not count as `unseen`"),
     FFP_CLI_POLISH(offsetof(Arguments, evaluation.polish),
                    "as for `reconstruct`; 0: the forward pass only. Default: auto"),
     FFP_CLI_NOISE(offsetof(Arguments, evaluation.noise),

@@ -31,14 +31,8 @@ static void set_defaults(void *data) {
 }
 
 static const FfpOption options[] = {
-    {.name = "output",
-     .letter = 'o',
-     .argument = "FILE",
-     .type = FFP_OPTION_FILE,
-     .writes = true,
-     .required = true,
-     .offset = offsetof(Arguments, how.file),
-     .help = "splats: .ply, .spz, .glb or .gltf; with --mesh: .glb, .gltf or .obj"},
+    FFP_CLI_FILE(offsetof(Arguments, how.file), "FILE",
+                 "splats: .ply, .spz, .glb or .gltf; with --mesh: .glb, .gltf or .obj"),
     {.name = "capture",
      .letter = 'c',
      .argument = "CAPTURE",

@@ -29,11 +29,10 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, report),
      .help = "also write an HTML page of a capture: the checks, and a contact sheet of the masks in which "
              "doubtful views are marked"},
-    {.name = "json",
-     .type = FFP_OPTION_FLAG,
-     .offset = offsetof(Arguments, json),
-     .help = "print JSON instead: the text, and what was checked as findings, each with its code, severity, "
-             "view, figure, limit and advice"},
+    FFP_CLI_JSON(
+        offsetof(Arguments, json),
+        "print JSON instead: the text, and what was checked as findings, each with its code, severity, "
+        "view, figure, limit and advice"),
     {0},
 };
 

@@ -50,13 +50,8 @@ static void set_defaults(void *data) {
 }
 
 static const FfpOption options[] = {
-    {.name = "output",
-     .letter = 'o',
-     .argument = "DIR",
-     .type = FFP_OPTION_FOLDER,
-     .required = true,
-     .offset = offsetof(Arguments, patterns.folder),
-     .help = "folder for the pictures, README.txt and show.html; it must be new or empty"},
+    FFP_CLI_FOLDER(offsetof(Arguments, patterns.folder),
+                   "folder for the pictures, README.txt and show.html; it must be new or empty"),
     {.name = "projector",
      .argument = "WxH",
      .type = FFP_OPTION_PARSED,

@@ -53,31 +53,17 @@ static void set_defaults(void *data) {
 }
 
 static const FfpOption options[] = {
-    {.name = "output",
-     .letter = 'o',
-     .argument = "FILE.ply",
-     .type = FFP_OPTION_FILE,
-     .writes = true,
-     .required = true,
-     .offset = offsetof(Arguments, output),
-     .help = "output file for the Gaussians (binary PLY, which splat viewers open too)"},
-    {.name = "model",
-     .letter = 'm',
-     .argument = "FILE|none",
-     .type = FFP_OPTION_FILE,
-     .offset = offsetof(Arguments, model),
-     .words = ffp_cli_none,
-     .help = "weights (safetensors), or `none` for the classical initialisation alone, which needs no "
-             "weights. Default: models/small.safetensors beside the program's folder or in the current one"},
-    {.name = "pattern",
-     .letter = 'p',
-     .argument = "NAME",
-     .type = FFP_OPTION_TEXT,
-     .repeated = true,
-     .offset = offsetof(Arguments, patterns),
-     .help = "a structured-light pattern to use; may be repeated: matching and fit use all those that a view "
-             "was photographed under, the network uses the first. Default: the first that every view has and "
-             "that is not held out"},
+    FFP_CLI_FILE(offsetof(Arguments, output), "FILE.ply",
+                 "output file for the Gaussians (binary PLY, which splat viewers open too)"),
+    FFP_CLI_MODEL(
+        offsetof(Arguments, model),
+        "weights (safetensors), or `none` for the classical initialisation alone, which needs no "
+        "weights. Default: models/small.safetensors beside the program's folder or in the current one"),
+    FFP_CLI_PATTERNS(
+        offsetof(Arguments, patterns),
+        "a structured-light pattern to use; may be repeated: matching and fit use all those that a view "
+        "was photographed under, the network uses the first. Default: the first that every view has and "
+        "that is not held out"),
     FFP_CLI_POLISH(offsetof(Arguments, how.polish),
                    "steps of the fit, one view per step; for pictures above 192 pixels, steps at the "
                    "smallest of several sizes, with fewer at larger ones. 0: the forward pass only. Default: "

@@ -117,14 +117,8 @@ static void set_defaults(void *data) {
 
 static const FfpOption options[] = {
     FFP_CLI_CAPTURE_OPTION(offsetof(Arguments, capture), "the capture they come from"),
-    {.name = "output",
-     .letter = 'o',
-     .argument = "FILE",
-     .type = FFP_OPTION_FILE,
-     .writes = true,
-     .required = true,
-     .offset = offsetof(Arguments, output),
-     .help = "output file for the refined Gaussians (.ply) or the field (.field)"},
+    FFP_CLI_FILE(offsetof(Arguments, output), "FILE",
+                 "output file for the refined Gaussians (.ply) or the field (.field)"),
     {.name = "from-scratch",
      .argument = "KIND",
      .type = FFP_OPTION_CHOICE,
@@ -152,14 +146,10 @@ static const FfpOption options[] = {
      .high = 1000000000,
      .help = "stop after this many steps, one view per step; given without --seconds, the result is "
              "reproducible. Default for Gaussians from scratch: 20000"},
-    {.name = "pattern",
-     .letter = 'p',
-     .argument = "NAME",
-     .type = FFP_OPTION_TEXT,
-     .repeated = true,
-     .offset = offsetof(Arguments, patterns),
-     .help = "a structured-light pattern to fit to in addition to black and white; may be repeated. Default: "
-             "the one that `reconstruct` uses"},
+    FFP_CLI_PATTERNS(
+        offsetof(Arguments, patterns),
+        "a structured-light pattern to fit to in addition to black and white; may be repeated. Default: "
+        "the one that `reconstruct` uses"),
     FFP_CLI_NOISE(offsetof(Arguments, refinement.noise),
                   "as for `reconstruct`; 0: no filtering. Default: auto"),
     {.name = "metrics",
