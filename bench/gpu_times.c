@@ -285,17 +285,16 @@ typedef struct Products {
 static void large_product(void *products) {
     Products *p = products;
     ffp_cuda_product(&(FfpCudaProduct){.operands = FFP_OPERANDS_BF16,
-                                       .transpose_b = true,
                                        .m = p->rows,
                                        .n = p->rows,
                                        .k = p->rows,
                                        .alpha = 1,
-                                       .a = p->a,
-                                       .lda = p->rows,
-                                       .b = p->b,
-                                       .ldb = p->rows,
+                                       .a = {p->a, p->rows, false, 0},
+                                       .b = {p->b, p->rows, true, 0},
+                                       .beta = 0,
                                        .c = p->c,
                                        .ldc = p->rows,
+                                       .stride_c = 0,
                                        .count = 1});
 }
 static void linear(void *products) {

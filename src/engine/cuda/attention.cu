@@ -159,24 +159,19 @@ bool ffp_cuda_attention_next(FfpAttentionTile *part, const FfpAttentionPlan *pla
 void ffp_cuda_attention_scores(float *out, const FfpAttentionPlan *plan, const FfpAttentionTile *part,
                                const uint16_t *x, const uint16_t *y) {
     const size_t head = (size_t)plan->rows * plan->pad;
-    const FfpCudaProduct product = {.operands = FFP_OPERANDS_BF16,
-                                    .transpose_a = false,
-                                    .transpose_b = true,
-                                    .m = part->span,
-                                    .n = plan->rows,
-                                    .k = plan->pad,
-                                    .alpha = 1,
-                                    .a = x + part->head * head + (size_t)part->query * plan->pad,
-                                    .lda = plan->pad,
-                                    .b = y + part->head * head,
-                                    .ldb = plan->pad,
-                                    .beta = 0,
-                                    .c = out,
-                                    .ldc = plan->keys,
-                                    .count = part->group,
-                                    .stride_a = head,
-                                    .stride_b = head,
-                                    .stride_c = (size_t)part->span * plan->keys};
+    const FfpCudaProduct product = {
+        .operands = FFP_OPERANDS_BF16,
+        .m = part->span,
+        .n = plan->rows,
+        .k = plan->pad,
+        .alpha = 1,
+        .a = {x + part->head * head + (size_t)part->query * plan->pad, plan->pad, false, head},
+        .b = {y + part->head * head, plan->pad, true, head},
+        .beta = 0,
+        .c = out,
+        .ldc = plan->keys,
+        .stride_c = (size_t)part->span * plan->keys,
+        .count = part->group};
     ffp_cuda_product(&product);
 }
 
@@ -211,23 +206,17 @@ void ffp_cuda_attention_sum(float *to, int ldt, size_t stride, const uint16_t *w
                             const FfpAttentionPlan *plan, const FfpAttentionTile *part) {
     const size_t head = (size_t)plan->rows * plan->pad;
     const FfpCudaProduct product = {.operands = FFP_OPERANDS_BF16,
-                                    .transpose_a = false,
-                                    .transpose_b = false,
                                     .m = part->span,
                                     .n = plan->dim,
                                     .k = plan->rows,
                                     .alpha = 1,
-                                    .a = weights,
-                                    .lda = plan->keys,
-                                    .b = x + part->head * head,
-                                    .ldb = plan->pad,
+                                    .a = {weights, plan->keys, false, (size_t)part->span * plan->keys},
+                                    .b = {x + part->head * head, plan->pad, false, head},
                                     .beta = 0,
                                     .c = to,
                                     .ldc = ldt,
-                                    .count = part->group,
-                                    .stride_a = (size_t)part->span * plan->keys,
-                                    .stride_b = head,
-                                    .stride_c = stride};
+                                    .stride_c = stride,
+                                    .count = part->group};
     ffp_cuda_product(&product);
 }
 

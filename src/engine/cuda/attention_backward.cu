@@ -31,24 +31,19 @@ static __global__ void score_gradients(const float *log_sum, FfpAttentionPlan pl
 static void sum_over_queries(float *to, int ldt, size_t stride, float alpha, const uint16_t *weights,
                              const uint16_t *x, const FfpAttentionPlan *plan, const FfpAttentionTile *part) {
     const size_t head = (size_t)plan->rows * plan->pad;
-    const FfpCudaProduct product = {.operands = FFP_OPERANDS_BF16,
-                                    .transpose_a = true,
-                                    .transpose_b = false,
-                                    .m = plan->rows,
-                                    .n = plan->dim,
-                                    .k = part->span,
-                                    .alpha = alpha,
-                                    .a = weights,
-                                    .lda = plan->keys,
-                                    .b = x + part->head * head + (size_t)part->query * plan->pad,
-                                    .ldb = plan->pad,
-                                    .beta = part->query > 0 ? 1.0f : 0.0f,
-                                    .c = to,
-                                    .ldc = ldt,
-                                    .count = part->group,
-                                    .stride_a = (size_t)part->span * plan->keys,
-                                    .stride_b = head,
-                                    .stride_c = stride};
+    const FfpCudaProduct product = {
+        .operands = FFP_OPERANDS_BF16,
+        .m = plan->rows,
+        .n = plan->dim,
+        .k = part->span,
+        .alpha = alpha,
+        .a = {weights, plan->keys, true, (size_t)part->span * plan->keys},
+        .b = {x + part->head * head + (size_t)part->query * plan->pad, plan->pad, false, head},
+        .beta = part->query > 0 ? 1.0f : 0.0f,
+        .c = to,
+        .ldc = ldt,
+        .stride_c = stride,
+        .count = part->group};
     ffp_cuda_product(&product);
 }
 

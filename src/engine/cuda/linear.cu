@@ -96,23 +96,17 @@ static void round_all(Operands *operands) {
 // C = alpha A B + beta C of two rounded operands
 static void multiply(float alpha, Operand a, Operand b, float beta, float *c, int ldc) {
     const FfpCudaProduct product = {.operands = FFP_OPERANDS_BF16,
-                                    .transpose_a = a.transposed,
-                                    .transpose_b = b.transposed,
                                     .m = a.transposed ? a.columns : a.rows,
                                     .n = b.transposed ? b.rows : b.columns,
                                     .k = whole_groups(a.transposed ? a.rows : a.columns),
                                     .alpha = alpha,
-                                    .a = a.to,
-                                    .lda = a.to_ld,
-                                    .b = b.to,
-                                    .ldb = b.to_ld,
+                                    .a = {a.to, a.to_ld, a.transposed, 0},
+                                    .b = {b.to, b.to_ld, b.transposed, 0},
                                     .beta = beta,
                                     .c = c,
                                     .ldc = ldc,
-                                    .count = 1,
-                                    .stride_a = 0,
-                                    .stride_b = 0,
-                                    .stride_c = 0};
+                                    .stride_c = 0,
+                                    .count = 1};
     ffp_cuda_product(&product);
 }
 

@@ -25,12 +25,12 @@ void ffp_cuda_product(const FfpCudaProduct *p) {
     const cudaDataType_t type = p->operands == FFP_OPERANDS_BF16 ? CUDA_R_16BF : CUDA_R_32F;
     const cublasComputeType_t compute =
         p->operands == FFP_OPERANDS_TF32 ? CUBLAS_COMPUTE_32F_FAST_TF32 : CUBLAS_COMPUTE_32F;
-    const cublasOperation_t first = p->transpose_b ? CUBLAS_OP_T : CUBLAS_OP_N;
-    const cublasOperation_t second = p->transpose_a ? CUBLAS_OP_T : CUBLAS_OP_N;
-    check(cublasGemmStridedBatchedEx(handle(), first, second, p->n, p->m, p->k, &p->alpha, p->b, type, p->ldb,
-                                     (long long)p->stride_b, p->a, type, p->lda, (long long)p->stride_a,
-                                     &p->beta, p->c, CUDA_R_32F, p->ldc, (long long)p->stride_c, p->count,
-                                     compute, CUBLAS_GEMM_DEFAULT),
+    const cublasOperation_t first = p->b.transposed ? CUBLAS_OP_T : CUBLAS_OP_N;
+    const cublasOperation_t second = p->a.transposed ? CUBLAS_OP_T : CUBLAS_OP_N;
+    check(cublasGemmStridedBatchedEx(handle(), first, second, p->n, p->m, p->k, &p->alpha, p->b.data, type,
+                                     p->b.ld, (long long)p->b.stride, p->a.data, type, p->a.ld,
+                                     (long long)p->a.stride, &p->beta, p->c, CUDA_R_32F, p->ldc,
+                                     (long long)p->stride_c, p->count, compute, CUBLAS_GEMM_DEFAULT),
           "product");
 }
 
@@ -45,16 +45,16 @@ static float number(const void *matrix, FfpCudaOperands operands, size_t at) {
 }
 
 static void add_product(const FfpCudaProduct *p, int matrix) {
-    const size_t a = (size_t)matrix * p->stride_a, b = (size_t)matrix * p->stride_b;
+    const size_t a = (size_t)matrix * p->a.stride, b = (size_t)matrix * p->b.stride;
     for (int i = 0; i < p->m; i++) {
         float *c = p->c + (size_t)matrix * p->stride_c + (size_t)i * p->ldc;
         for (int j = 0; j < p->n; j++) c[j] = p->beta == 0 ? 0 : p->beta * c[j];
         for (int k = 0; k < p->k; k++) {
-            const size_t at = p->transpose_a ? (size_t)k * p->lda + i : (size_t)i * p->lda + k;
-            const float factor = p->alpha * number(p->a, p->operands, a + at);
+            const size_t at = p->a.transposed ? (size_t)k * p->a.ld + i : (size_t)i * p->a.ld + k;
+            const float factor = p->alpha * number(p->a.data, p->operands, a + at);
             for (int j = 0; j < p->n; j++) {
-                const size_t from = p->transpose_b ? (size_t)j * p->ldb + k : (size_t)k * p->ldb + j;
-                c[j] += factor * number(p->b, p->operands, b + from);
+                const size_t from = p->b.transposed ? (size_t)j * p->b.ld + k : (size_t)k * p->b.ld + j;
+                c[j] += factor * number(p->b.data, p->operands, b + from);
             }
         }
     }
@@ -71,22 +71,16 @@ void ffp_cuda_product(const FfpCudaProduct *p) {
 void ffp_cuda_multiply(FfpCudaOperands operands, float alpha, FfpFactor a, FfpFactor b, float beta, float *c,
                        int ldc) {
     const FfpCudaProduct product = {.operands = operands,
-                                    .transpose_a = a.transposed,
-                                    .transpose_b = b.transposed,
                                     .m = a.rows,
                                     .n = b.columns,
                                     .k = a.columns,
                                     .alpha = alpha,
-                                    .a = a.data,
-                                    .lda = a.stride,
-                                    .b = b.data,
-                                    .ldb = b.stride,
+                                    .a = {a.data, a.stride, a.transposed, 0},
+                                    .b = {b.data, b.stride, b.transposed, 0},
                                     .beta = beta,
                                     .c = c,
                                     .ldc = ldc,
-                                    .count = 1,
-                                    .stride_a = 0,
-                                    .stride_b = 0,
-                                    .stride_c = 0};
+                                    .stride_c = 0,
+                                    .count = 1};
     ffp_cuda_product(&product);
 }

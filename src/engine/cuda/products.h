@@ -14,22 +14,26 @@ typedef enum FfpCudaOperands {
     FFP_OPERANDS_BF16
 } FfpCudaOperands;
 
-// C[m,n] = alpha op(A) op(B) + beta C, as ffp_gemm, `count` times: strides are numbers from one matrix to the
-// next. C is not read where beta is 0. bf16 products are fast where rows start at multiples of 16 bytes.
+// ld: numbers from one row to the next; stride: from one matrix to the next, where there are several.
+typedef struct FfpCudaOperand {
+    const void *data;
+    int ld;
+    bool transposed;
+    size_t stride;
+} FfpCudaOperand;
+
+// C[m,n] = alpha op(A) op(B) + beta C, as ffp_gemm, `count` times. C is not read where beta is 0. bf16
+// products are fast where rows start at multiples of 16 bytes.
 typedef struct FfpCudaProduct {
     FfpCudaOperands operands;
-    bool transpose_a, transpose_b;
     int m, n, k;
     float alpha;
-    const void *a;
-    int lda;
-    const void *b;
-    int ldb;
+    FfpCudaOperand a, b;
     float beta;
     float *c;
     int ldc;
+    size_t stride_c;
     int count;
-    size_t stride_a, stride_b, stride_c;
 } FfpCudaProduct;
 
 void ffp_cuda_product(const FfpCudaProduct *product);
