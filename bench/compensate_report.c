@@ -303,7 +303,7 @@ int main(int argc, char **argv) {
             "usage: compensate_report [-m WEIGHTS] -t TARGET.. [-v VIEWS] [-p] [-o REPORT.html] CAPTURE..\n");
         return 2;
     }
-    if (weights && !(bench.model = ffp_model_open(NULL, weights, &err))) return fail(&err);
+    if (weights && !(bench.model = ffp_model_open(NULL, weights, NULL, &err))) return fail(&err);
     if (page) bench.report = ffp_report_new("compensated projections");
     bool ok = true;
     printf("%-27s %6s %6s %6s\n", "PSNR, dB, judged", "unwarp", "closed", "desc.");

@@ -107,6 +107,13 @@ if(FFP_NODE)
   add_test(NAME studio_watch COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/studio/test_watch.js)
   add_test(NAME view_nudge COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/view/test_nudge.js)
   add_test(NAME view_control COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/view/test_control.js)
+  add_test(NAME view_show COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/view/test_show.js)
+endif()
+
+# All pages' scripts by TypeScript's compiler; without it (or without Python) that is skipped.
+if(FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
+  add_test(NAME view_scripts COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/view/test_scripts.py)
+  set_tests_properties(view_scripts PROPERTIES SKIP_RETURN_CODE 77)
 endif()
 
 # The studio in a headless Chromium, from a bare simulated rig to the relit object.

@@ -38,10 +38,10 @@ int main(int argc, char **argv) {
     Watch watch = {clock_seconds() + strtod(argv[2], NULL), 0};
     FfpContextSettings settings = ffp_context_defaults();
     settings.user = &watch, settings.log = on_log, settings.progress = on_progress;
-    settings.interval = 0.02;
+    settings.interval_s = 0.02;
     FfpContext *context = ffp_context_new(&settings, &err);
     FfpCapture *capture = context ? ffp_capture_open(context, argv[1], NULL, &err) : NULL;
-    FfpModel *model = capture ? ffp_model_open(context, NULL, &err) : NULL;
+    FfpModel *model = capture ? ffp_model_open(context, NULL, NULL, &err) : NULL;
     FfpReconstruction options = ffp_reconstruction_defaults();
     options.model = model;
     FfpGaussians *gaussians = model ? ffp_reconstruct(context, capture, &options, NULL, &err) : NULL;

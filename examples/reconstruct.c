@@ -65,7 +65,7 @@ int main(int argc, char **argv) {
     FfpCapture *folder = ffp_capture_open(NULL, argv[1], NULL, &err);
     FfpCapture *capture = folder ? from_memory(folder, &err) : NULL;
     ffp_capture_close(folder);
-    FfpModel *model = capture ? ffp_model_open(NULL, NULL, &err) : NULL;
+    FfpModel *model = capture ? ffp_model_open(NULL, NULL, NULL, &err) : NULL;
     FfpReconstruction options = ffp_reconstruction_defaults();
     options.model = model;
     options.polish = 10; // the default takes ten times as long, and is better

@@ -61,7 +61,7 @@ int main(int argc, char **argv) {
     FfpPinhole camera, projector;
     double intensity[3];
     bool done = false;
-    FfpGaussians *gaussians = ffp_gaussians_open(NULL, argv[1], &err);
+    FfpGaussians *gaussians = ffp_gaussians_open(NULL, argv[1], NULL, &err);
     FfpCapture *capture = gaussians ? ffp_capture_open(NULL, argv[2], NULL, &err) : NULL;
     const FfpDrawing drawing = {FFP_FORM_OURS, 0};
     FfpRenderer *renderer = capture ? ffp_renderer_new(NULL, drawing, &err) : NULL;

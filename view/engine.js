@@ -15,7 +15,7 @@ class Engine {
     this.worker = null;
     this.waiting = null;
     this.last = Promise.resolve(); // of the requests: the next is sent when it is answered
-    this.tell = () => {};
+    this.tell = (said) => {};
   }
 
   start() {

@@ -43,7 +43,7 @@ static void tell_finding(void *user, const FfpFinding *finding) {
 
 static bool show_progress(void *user, const FfpProgress *progress) {
     (void)user;
-    tell_progress(progress->stage, (double)progress->done, (double)progress->total, progress->seconds_left);
+    tell_progress(progress->stage, (double)progress->done, (double)progress->total, progress->left_s);
     return true;
 }
 
@@ -58,9 +58,9 @@ static bool start(FfpError *err) {
     settings.log = log_line;
     settings.progress = show_progress;
     settings.finding = tell_finding;
-    settings.interval = 0.5; // seconds: each is drawn, by a processor where no GPU draws
+    settings.interval_s = 0.5; // seconds: each is drawn, by a processor where no GPU draws
     if (!context) context = ffp_context_new(&settings, err);
-    if (context && !model) model = ffp_model_open(context, "/models/small.safetensors", err);
+    if (context && !model) model = ffp_model_open(context, "/models/small.safetensors", NULL, err);
     return model != NULL;
 }
 

@@ -12,6 +12,12 @@ extern "C" {
 
 typedef struct FfpCapture FfpCapture;
 
+// A file's contents in the caller's memory, which the library only reads, and only during the call.
+typedef struct FfpBytes {
+    const void *data;
+    size_t size;
+} FfpBytes;
+
 // Which photographs are read.
 typedef enum FfpRead {
     FFP_READ_ALL,

@@ -22,8 +22,8 @@ typedef enum FfpLogLevel {
 typedef struct FfpProgress {
     const char *stage;   // such as "rendering"; NULL: nothing to count
     int64_t done, total; // pictures, steps, scenes or seconds of the stage; 0 of 0: not counted
-    double seconds;      // since the stage began
-    double seconds_left; // estimate; negative: not known yet
+    double elapsed_s;    // since the stage began
+    double left_s;       // estimate; negative: not known yet
     const char *extra;   // a few words about the last step, or NULL
 } FfpProgress;
 
@@ -71,10 +71,17 @@ typedef struct FfpContextSettings {
     // with FFP_ERROR_CANCELLED unless documented otherwise. NULL: no progress. The pointers passed to it are
     // valid until it returns. It must not call the library.
     bool (*progress)(void *user, const FfpProgress *progress);
-    double interval; // minimum seconds between calls of progress; 0: call it at every cancellation point
-    int threads;     // number to use; 0: OpenMP's default (all processors, or OMP_NUM_THREADS)
+    double interval_s; // minimum between calls of progress; 0: call it at every cancellation point
+    int threads;       // number to use; 0: OpenMP's default (all processors, or OMP_NUM_THREADS)
     FfpDeviceKind device;
     const FfpRanks *ranks; // must outlive the context; NULL: a single process
+    // Where calls get the memory of their work and results: `bytes` bytes, aligned to `alignment`, or NULL if
+    // there are none. `release` gives a block back, and may be called until the last handle or text that such
+    // a call returned is closed. Any thread of the library calls them. Both or neither (the C library's). Not
+    // for what other libraries take (OpenBLAS, OpenMP, image formats, the GPU's memory), the few words that
+    // note what a call holds, and buffers that a thread keeps from call to call.
+    void *(*allocate)(void *user, size_t alignment, size_t bytes);
+    void (*release)(void *user, void *memory);
 } FfpContextSettings;
 
 // Silent, not cancellable, all processors, no GPU; equivalent to passing NULL as context.

@@ -80,6 +80,9 @@ FFP_API FfpWeights ffp_model_weights(FfpModel *model, int number); // all 0: no 
 // its training is kept.
 FFP_API bool ffp_model_save(FfpContext *context, const FfpModel *model, const char *path, bool exact,
                             FfpError *err);
+// The contents of that file, `size` bytes (release with ffp_free); NULL on failure.
+FFP_API void *ffp_model_bytes(FfpContext *context, const FfpModel *model, bool exact, size_t *size,
+                              FfpError *err);
 
 // The network's inputs, made from a capture. All arrays are the handle's.
 typedef struct FfpPrepared FfpPrepared;
@@ -116,15 +119,25 @@ FFP_API bool ffp_prepared_look(FfpContext *context, const FfpPrepared *prepared,
                                const float *raw, float *seen, FfpError *err);
 FFP_API void ffp_prepared_close(FfpPrepared *prepared);
 
+// Weights for the perceptual term: LPIPS with AlexNet or SqueezeNet, or VGG16 up to relu2_2 (safetensors,
+// docs/reference/formats/weights.md). `contents` as of ffp_gaussians_open.
+typedef struct FfpPerceptual FfpPerceptual;
+FFP_API FfpPerceptual *ffp_perceptual_open(FfpContext *context, const char *path, const FfpBytes *contents,
+                                           FfpError *err);
+FFP_API void ffp_perceptual_close(FfpPerceptual *network);
+
 // The loss of sRGB-encoded pictures that all fits here share (FF-ProCams, Eqs. 18, 19):
 // l1 mean |P - T| + ssim (1 - mean SSIM(P, T)), SSIM by Wang et al. 2004 with an 11 x 11 Gaussian of
-// sigma 1.5 and zero padding.
+// sigma 1.5 and zero padding; and perceptual times the mean distance that `network` finds: LPIPS, or for
+// VGG16 the squared distance of features at relu1_2 and relu2_2.
 typedef struct FfpPictureLoss {
     int count, width, height; // at least 1
     const float *pictures;    // [count,height,width,3] in [0,1]
     const float *targets;     // likewise
     double l1, ssim;          // weights
     float *gradients;         // [count,height,width,3] with respect to `pictures`, replaced; NULL: not wanted
+    double perceptual;        // weight; 0: none
+    const FfpPerceptual *network; // of pictures of at least 31 x 31 (AlexNet), 17 x 17 or 2 x 2 pixels
 } FfpPictureLoss;
 FFP_API bool ffp_picture_loss(FfpContext *context, const FfpPictureLoss *pictures, double *loss,
                               FfpError *err);

@@ -20,7 +20,9 @@ typedef struct FfpModel FfpModel;
 // environment variable FFPROCAMS_MODELS or, if it is unset, in share/ffprocams/models of the prefix in which
 // the library is installed (the program's prefix, if linked statically), in models/ beside it, and in models/
 // of the current folder. Errors list the places searched.
-FFP_API FfpModel *ffp_model_open(FfpContext *context, const char *path, FfpError *err);
+// `contents` as of ffp_gaussians_open.
+FFP_API FfpModel *ffp_model_open(FfpContext *context, const char *path, const FfpBytes *contents,
+                                 FfpError *err);
 FFP_API void ffp_model_close(FfpModel *model);
 
 // How Gaussians are drawn: in the form of the shipped model (firm splats, patterns averaged over a pixel's
@@ -100,10 +102,17 @@ FFP_API FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *cap
 // compressed PLY, SPZ, .splat, glTF with KHR_gaussian_splatting): their colour is taken as albedo and as
 // ambient colour, the roughness is 0.5, and a note says so. Splats that cannot be used are left out with a
 // note; it is an error if they are more than a tenth. Gaussians too faint to be visible (opacity below 1/255)
-// are omitted; it is an error if all of them are.
-FFP_API FfpGaussians *ffp_gaussians_open(FfpContext *context, const char *path, FfpError *err);
+// are omitted; it is an error if all of them are. With `contents` nothing is read from disk: they are those
+// of a file, in the caller's memory, and `path`, which may be NULL, is its name in messages (and tells .gltf
+// and .splat, which have no other mark). NULL: the file at `path`.
+FFP_API FfpGaussians *ffp_gaussians_open(FfpContext *context, const char *path, const FfpBytes *contents,
+                                         FfpError *err);
 FFP_API bool ffp_gaussians_save(FfpContext *context, const FfpGaussians *gaussians, const char *path,
                                 FfpError *err);
+// The contents of the file that ffp_gaussians_save would write, `size` bytes (release with ffp_free); NULL on
+// failure.
+FFP_API void *ffp_gaussians_bytes(FfpContext *context, const FfpGaussians *gaussians, size_t *size,
+                                  FfpError *err);
 // The world axis that points up.
 typedef enum FfpUp { FFP_UP_Z, FFP_UP_Y, FFP_UP_MINUS_Y } FfpUp;
 
@@ -147,7 +156,7 @@ typedef struct FfpRefinement {
     const char *const *patterns;
     int n_patterns;
     int64_t steps;  // of one view each; 0: no limit
-    double seconds; // of wall clock; 0: no limit. With neither limit: 30 s
+    double limit_s; // of wall clock; 0: no limit. With neither limit: 30 s
     double noise;   // as FfpReconstruction.noise
     uint64_t seed;  // for the order of views
     // File for one line of JSON per round of all views (step, seconds, loss, psnr, gaussians), or NULL.
@@ -161,7 +170,7 @@ FFP_DEFAULTS(FfpRefinement, ffp_refinement_defaults) // 30 seconds, noise estima
 typedef struct FfpRefinementStats {
     double psnr_before, psnr_after; // dB over the fitted pictures
     int64_t steps, gaussians;
-    double seconds;
+    double elapsed_s;
     bool stopped; // by the progress callback; the best state so far was kept
     bool dropped; // the fit made the pictures worse and was discarded; the Gaussians are unchanged
 } FfpRefinementStats;

@@ -132,7 +132,7 @@ FFP_DEFAULTS(FfpPage, ffp_page_defaults) // photographs of 512 pixels
 
 typedef struct FfpPageStats {
     int64_t gaussians;
-    long long bytes;           // file size
+    int64_t bytes;             // file size
     int patterns, photographs; // included; a note is logged if there was no room for all
 } FfpPageStats;
 // Writes a page that draws Gaussians in the browser (WebGL 2) as ffp_render_pictures does, with camera and
@@ -191,7 +191,7 @@ typedef struct FfpCompensationStats {
     // dB over the lit ones: with dark projectors, after the closed form, at the end.
     double psnr_dark, psnr_closed, psnr;
     int patterns;
-    double seconds;
+    double elapsed_s;
 } FfpCompensationStats;
 
 // Finds the patterns under which the cameras see their targets as closely as light allows. Returns linear

@@ -259,7 +259,7 @@ typedef struct FfpAlignmentStats {
     double apart[2]; // before and after: distance between surfaces of different views, pixels of the camera
     double focal[2]; // factors on the focal lengths of camera and projector; 1: unchanged
     double before, after; // disagreement of the pictures: mean difference of pattern values, 0 to 1
-    double seconds;       // of wall clock
+    double elapsed_s;     // of wall clock
     // With FfpAlignment.gaussians, when `before` and `after` compare photographs with drawn pictures,
     // sRGB-encoded: how far camera and projector were rotated about their centres, degrees, and moved, world
     // units; means over the views.

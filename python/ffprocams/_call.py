@@ -34,8 +34,8 @@ class Progress:
     stage: str  #: such as "rendering"
     done: int  #: pictures, steps, scenes or seconds of the stage
     total: int
-    seconds: float  #: since the stage began
-    seconds_left: float  #: estimate; negative: not known yet
+    elapsed_s: float  #: since the stage began
+    left_s: float  #: estimate; negative: not known yet
     extra: str  #: a few words about the last step, or ""
 
 
@@ -89,7 +89,7 @@ class Call:
         if not 0 <= threads <= 4096:
             raise argument_error(f"{threads} is not in 0 to 4096", "threads")
         settings.log, settings.progress = lib.ffp_python_log, lib.ffp_python_progress
-        settings.interval, settings.threads, settings.device = _INTERVAL, threads, _DEVICES[device]
+        settings.interval_s, settings.threads, settings.device = _INTERVAL, threads, _DEVICES[device]
         self.error = ffi.new("FfpError *")
         context = lib.ffp_context_new(settings, self.error)
         if context == ffi.NULL:
@@ -106,8 +106,8 @@ class Call:
             _text(progress.stage),
             progress.done,
             progress.total,
-            progress.seconds,
-            progress.seconds_left,
+            progress.elapsed_s,
+            progress.left_s,
             _text(progress.extra),
         )
         self.inside = True
@@ -228,6 +228,10 @@ class Keep:
 
     def path(self, path: PathLike | None) -> Any:
         return ffi.NULL if path is None else self.text(path_of(path))
+
+    def contents(self, data: bytes) -> Any:
+        """FfpBytes of them."""
+        return self(ffi.new("FfpBytes *", {"data": self(ffi.from_buffer(data)), "size": len(data)}))
 
     def texts(self, texts: list[Any]) -> Any:
         """char *[], or NULL for none."""

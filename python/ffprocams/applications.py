@@ -30,7 +30,7 @@ class CompensationStats:
     psnr_closed: float  #: after the closed form
     psnr: float  #: at the end
     patterns: int
-    seconds: float
+    elapsed_s: float
 
 
 @dataclass

@@ -66,7 +66,7 @@ class AlignStats:
     focal: tuple[float, ...] = ()  #: factors on the focal lengths of camera and projector; 1: unchanged
     before: float = 0.0  #: disagreement of the pictures: mean difference of pattern values, 0 to 1
     after: float = 0.0
-    seconds: float = 0.0
+    elapsed_s: float = 0.0
     known: bool = False  #: found by Gaussians: before and after compare photographs with drawn pictures, sRGB-encoded
     camera_turned: float = 0.0  #: by Gaussians: rotation of the camera about its centre, degrees, mean over the views
     camera_moved: float = 0.0  #: its way, world units

@@ -63,7 +63,15 @@ class Gaussians(Handle):
         other programs (PLY, SPZ, glTF)."""
         keep = Keep()
         with Call() as call:
-            made = lib.ffp_gaussians_open(call.context, keep.path(path), call.error)
+            made = lib.ffp_gaussians_open(call.context, keep.path(path), ffi.NULL, call.error)
+            return cls(call.take(made, lib.ffp_gaussians_close))
+
+    @classmethod
+    def from_bytes(cls, contents: bytes, name: str = "contents") -> Gaussians:
+        """As load, from a file's contents. name: what messages call it; its ending tells .splat and .gltf."""
+        keep = Keep()
+        with Call() as call:
+            made = lib.ffp_gaussians_open(call.context, keep.text(name), keep.contents(contents), call.error)
             return cls(call.take(made, lib.ffp_gaussians_close))
 
     @classmethod
@@ -256,6 +264,13 @@ class Gaussians(Handle):
         with holding(self), Call() as call:
             call.check(lib.ffp_gaussians_save(call.context, self._pointer, keep.path(path), call.error))
 
+    def to_bytes(self) -> bytes:
+        """The contents of the file that save writes."""
+        with holding(self), Call() as call:
+            size = ffi.new("size_t *")
+            made = lib.ffp_gaussians_bytes(call.context, self._pointer, size, call.error)
+            return bytes(ffi.buffer(call.take(made, lib.ffp_free), size[0]))
+
     def export(
         self,
         path: PathLike,
@@ -447,8 +462,23 @@ class Model(Handle):
         keep = Keep()
         with Call() as call:
             return cls(
-                call.take(lib.ffp_model_open(call.context, keep.path(path), call.error), lib.ffp_model_close)
+                call.take(lib.ffp_model_open(call.context, keep.path(path), ffi.NULL, call.error), lib.ffp_model_close)
             )
+
+    @classmethod
+    def from_bytes(cls, contents: bytes) -> Model:
+        """As open, from a file's contents."""
+        keep = Keep()
+        with Call() as call:
+            made = lib.ffp_model_open(call.context, ffi.NULL, keep.contents(contents), call.error)
+            return cls(call.take(made, lib.ffp_model_close))
+
+    def to_bytes(self, *, exact: bool = False) -> bytes:
+        """The contents of the file that save writes."""
+        with holding(self), Call() as call:
+            size = ffi.new("size_t *")
+            made = lib.ffp_model_bytes(call.context, self._pointer, exact, size, call.error)
+            return bytes(ffi.buffer(call.take(made, lib.ffp_free), size[0]))
 
     def weights(self) -> dict[str, Floats]:
         """The weights by name, in the file's order: matrices [rows,columns] and vectors. They are views of the

@@ -44,7 +44,7 @@ class RefinementStats:
     psnr_after: float
     steps: int
     gaussians: int
-    seconds: float
+    elapsed_s: float
     stopped: bool  #: by the progress function; the best state so far was kept
     dropped: bool  #: the fit made the pictures worse and was discarded
 
@@ -141,7 +141,7 @@ def _refinement(
     options = ffi.new("FfpRefinement *", lib.ffp_refinement_defaults())
     names = [keep.text(p) for p in some(patterns)]
     options.patterns, options.n_patterns = keep.texts(names), len(names)
-    options.steps, options.seconds, options.seed = steps, seconds, seed
+    options.steps, options.limit_s, options.seed = steps, seconds, seed
     options.noise = _automatic(noise, 0, "noise")
     options.metrics, options.drawing = keep.path(metrics), drawing
     return options

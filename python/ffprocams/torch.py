@@ -22,7 +22,7 @@ from typing import Any, ClassVar, Union
 import torch
 from torch import Tensor
 
-from ._call import Call, Handle
+from ._call import Call, Handle, Keep, PathLike
 from ._library import ffi, lib
 from .devices import Pinhole
 from .errors import argument_error
@@ -31,8 +31,8 @@ from .renderer import _MAPS
 from .torch_network import Network, Parts, Prepared
 
 __all__ = [
-    "Devices", "Network", "Parts", "Prepared", "SplatAdam", "Splats", "decode", "depth_loss", "distortion_loss", "encode", "l1_loss", "mask_loss", "normal_smooth_loss",
-    "photometric_loss", "psnr", "render", "roughness_smooth_loss", "se3_exp", "ssim",
+    "Devices", "Network", "Parts", "Perceptual", "Prepared", "SplatAdam", "Splats", "decode", "depth_loss", "distortion_loss", "encode", "l1_loss", "mask_loss", "normal_smooth_loss",
+    "perceptual_loss", "photometric_loss", "psnr", "render", "roughness_smooth_loss", "se3_exp", "ssim",
 ]  # fmt: skip
 
 _ROUGHNESS_FLOOR, _SIGMOID_LEAST = 0.05, 1e-4  # as in the library's own fits
@@ -501,7 +501,9 @@ class _PictureLoss(torch.autograd.Function):
     """The library's loss of pictures (ffp_picture_loss); its gradient is found on the way."""
 
     @staticmethod
-    def forward(ctx: Any, picture: Tensor, target: Tensor, l1: float, ssim: float) -> Tensor:
+    def forward(
+        ctx: Any, picture: Tensor, target: Tensor, l1: float, ssim: float, perceptual: float, network: Perceptual | None
+    ) -> Tensor:
         if picture.dim() < 3 or picture.shape[-1] != 3 or picture.numel() == 0:
             raise argument_error(f"shape {tuple(picture.shape)} is not [...,height,width,3]", "picture")
         shape = tuple(picture.shape)
@@ -513,7 +515,8 @@ class _PictureLoss(torch.autograd.Function):
             *shape[-3:-1],
         )
         pictures.pictures, pictures.targets, pictures.gradients = _at(given), _at(wanted), _at(gradient)
-        pictures.l1, pictures.ssim = l1, ssim
+        pictures.l1, pictures.ssim, pictures.perceptual = l1, ssim, perceptual
+        pictures.network = ffi.NULL if network is None else network._pointer
         with _call_of(torch.get_num_threads()) as call:
             call.check(lib.ffp_picture_loss(call.context, pictures, loss, call.error))
         ctx.gradient = gradient
@@ -521,9 +524,9 @@ class _PictureLoss(torch.autograd.Function):
 
     @staticmethod
     @torch.autograd.function.once_differentiable
-    def backward(ctx: Any, grad: Tensor) -> tuple[Tensor | None, None, None, None]:
+    def backward(ctx: Any, grad: Tensor) -> tuple[Tensor | None, None, None, None, None, None]:
         gradient = ctx.gradient
-        return gradient if gradient is None or float(grad) == 1 else gradient * grad, None, None, None
+        return gradient if gradient is None or float(grad) == 1 else gradient * grad, None, None, None, None, None
 
 
 def _call_of(threads: int) -> Call:
@@ -537,8 +540,10 @@ def _call_of(threads: int) -> Call:
 _calls = threading.local()
 
 
-def _picture_loss(picture: Tensor, target: Tensor, l1: float, ssim: float) -> Tensor:
-    return _PictureLoss.apply(picture, target.detach(), l1, ssim)  # type: ignore[no-any-return, no-untyped-call]
+def _picture_loss(
+    picture: Tensor, target: Tensor, l1: float, ssim: float, perceptual: float = 0, network: Perceptual | None = None
+) -> Tensor:
+    return _PictureLoss.apply(picture, target.detach(), l1, ssim, perceptual, network)  # type: ignore[no-any-return, no-untyped-call]
 
 
 def l1_loss(picture: Tensor, target: Tensor) -> Tensor:
@@ -555,6 +560,24 @@ def ssim(picture: Tensor, target: Tensor) -> Tensor:
 def photometric_loss(picture: Tensor, target: Tensor) -> Tensor:
     """0.8 L1 + 0.2 (1 - SSIM), as the paper and the library's fits have it. The target is a constant."""
     return _picture_loss(picture, target, 0.8, 0.2)
+
+
+class Perceptual(Handle):
+    """Weights of the perceptual term: safetensors that ``python -m ffprocams.perceptual`` writes,
+    LPIPS with AlexNet or SqueezeNet or VGG16 up to relu2_2."""
+
+    @classmethod
+    def open(cls, path: PathLike) -> Perceptual:
+        keep = Keep()
+        with Call() as call:
+            made = lib.ffp_perceptual_open(call.context, keep.path(path), ffi.NULL, call.error)
+            return cls(call.take(made, lib.ffp_perceptual_close))
+
+
+def perceptual_loss(picture: Tensor, target: Tensor, network: Perceptual) -> Tensor:
+    """Mean distance that the network finds between sRGB-encoded pictures [...,height,width,3]: LPIPS, or with VGG16 the
+    squared distance of features at relu1_2 and relu2_2. The target is a constant."""
+    return _picture_loss(picture, target, 0, 0, 1, network)
 
 
 def mask_loss(opacity: Tensor, mask: Tensor) -> Tensor:

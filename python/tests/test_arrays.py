@@ -42,6 +42,20 @@ def test_a_capture_from_arrays_is_the_capture_from_files(capture: ffp.Capture) -
         np.testing.assert_array_equal(array, b.arrays()[name], name)
 
 
+def test_files_may_be_bytes(gaussians: ffp.Gaussians, tmp_path: Path) -> None:
+    path = tmp_path / "saved.ply"
+    gaussians.save(path)
+    contents = gaussians.to_bytes()
+    assert contents == path.read_bytes()
+    again = ffp.Gaussians.from_bytes(contents)
+    assert again.to_bytes() == contents and len(again) == len(ffp.Gaussians.load(path))
+    with pytest.raises(ffp.FileFormatError, match="mine"):
+        ffp.Gaussians.from_bytes(contents[:-1], "mine")
+    model = ffp.Model.open()
+    for name, values in ffp.Model.from_bytes(model.to_bytes(exact=True)).weights().items():
+        np.testing.assert_array_equal(values, model.weights()[name], name)
+
+
 def test_several_patterns_are_used(capture: ffp.Capture) -> None:
     one = ffp.reconstruct(capture, "none", pattern="lollipop_2", polish=0)
     two = ffp.reconstruct(capture, "none", pattern=["lollipop_2", "lollipop_4"], polish=0)

@@ -257,7 +257,7 @@ def test_generated_captures_are_captures(tmp_path: Path) -> None:
     assert again.pattern_names == capture.pattern_names and again.view_ids == capture.view_ids
     before = capture.camera(1).pose.copy()
     stats = ffp.align(capture)
-    assert stats.after <= stats.before and stats.seconds > 0
+    assert stats.after <= stats.before and stats.elapsed_s > 0
     assert np.abs(capture.camera(1).pose - before).max() < 0.5
     known = ffp.align(again, gaussians=ffp.reconstruct(again, model="none", polish=0))
     assert known.known and not stats.known and 0 < known.after <= known.before

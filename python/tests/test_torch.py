@@ -12,6 +12,7 @@ from typing import Callable
 import ffprocams
 import numpy as np
 import pytest
+from ffprocams import perceptual
 
 torch = pytest.importorskip("torch", reason="torch is not installed: ffprocams.torch is not tested")
 layer = pytest.importorskip("ffprocams.torch")
@@ -267,6 +268,40 @@ def test_losses_of_pictures(loss: str) -> None:
         of(pictures, targets[:1])
     with pytest.raises(ffprocams.ArgumentError, match="picture"):
         of(pictures[..., :2], targets[..., :2])
+
+
+@pytest.mark.parametrize("name", ["squeeze", "vgg16"])
+def test_perceptual_loss(name: str, tmp_path: Path) -> None:
+    """That of LPIPS' figures, in single precision, with its gradient; several pictures are a mean."""
+    network, rng, states = perceptual.NETWORKS[name], np.random.default_rng(6), {}
+    scale = {"squeeze": 0.05, "vgg16": 0.1}[name]
+    given = {n: torch.tensor(rng.normal(0, scale, shape), dtype=torch.float32) for n, shape in network["backbone"]}
+    for i in range(network["convolutions"] - len(given) // 2):
+        given[f"features.{90 + i}.weight"] = torch.zeros(1, 1, 1, 1)
+    states["backbone"] = given
+    if network["heads"]:
+        states["heads"] = {f"lin{i}.model.1.weight": torch.rand(1, c, 1, 1) for i, c in enumerate(network["heads"])}
+    for what, state in states.items():
+        torch.save(state, tmp_path / f"{what}.pth")
+    (path,) = perceptual.convert([tmp_path / f"{what}.pth" for what in states], tmp_path)
+    weights = layer.Perceptual.open(path)
+    torch.manual_seed(4)
+    pictures, targets = torch.rand(2, 24, 32, 3), torch.rand(2, 24, 32, 3)
+
+    def of(p: torch.Tensor) -> torch.Tensor:
+        return layer.perceptual_loss(p, targets, weights)
+
+    parts = [float(layer.perceptual_loss(p, t, weights)) for p, t in zip(pictures, targets)]
+    assert min(parts) > 0 and float(of(pictures)) == pytest.approx(np.mean(parts), rel=1e-5)
+    if name == "squeeze":
+        shown, wanted = ((255 * x).round().to(torch.uint8) for x in (pictures, targets))
+        distances = ffprocams.protocols.lpips(shown.numpy(), wanted.numpy(), path)
+        rounded = [float(layer.perceptual_loss(p / 255, t / 255, weights)) for p, t in zip(shown, wanted)]
+        assert rounded == pytest.approx(list(distances), rel=1e-4)
+    analytic, numeric = slope(lambda x: of(x).double(), pictures, 1e-3)
+    assert numeric == pytest.approx(analytic, rel=0.03)
+    with pytest.raises(ffprocams.ArgumentError, match="fewer than"):
+        layer.perceptual_loss(pictures[:, :1], targets[:, :1], weights)
 
 
 def test_ssim_is_a_likeness() -> None:

@@ -43,11 +43,33 @@ size_t ffp_checked_bytes(size_t count, size_t size) {
     return bytes;
 }
 
-static void *new_block(FfpBlocks *owner, size_t bytes) {
-    check_place();
-    FfpBlock *block = is_to_fail() ? NULL : aligned_alloc(ALIGNMENT, sizeof *block + bytes);
+// By the caller's functions, if it has given any; NULL: there is none.
+static FfpBlock *taken(const FfpContextSettings *settings, size_t bytes) {
+    FfpBlock *block = settings ? settings->allocate(settings->user, ALIGNMENT, sizeof *block + bytes)
+                               : aligned_alloc(ALIGNMENT, sizeof *block + bytes);
     if (!block) return NULL;
+    if ((uintptr_t)block % ALIGNMENT != 0) {
+        fprintf(stderr, "ffprocams: allocate gave %p, which is not aligned to %zu bytes\n", (void *)block,
+                ALIGNMENT);
+        abort();
+    }
     *block = (FfpBlock){.bytes = bytes, .magic = MAGIC};
+    if (settings) {
+        block->release = settings->release;
+        block->user = settings->user;
+    }
+    return block;
+}
+
+static const FfpContextSettings *callers_own(void) {
+    const FfpContext *context = ffp_call_context();
+    return context && context->settings.allocate ? &context->settings : NULL;
+}
+
+static void *new_block(FfpBlocks *owner, size_t bytes, const FfpContextSettings *settings) {
+    check_place();
+    FfpBlock *block = is_to_fail() ? NULL : taken(settings, bytes);
+    if (!block) return NULL;
     ffp_blocks_add(owner, block);
     return block + 1;
 }
@@ -57,7 +79,7 @@ void ffp_no_memory(size_t bytes) {
 }
 
 void *ffp_alloc_undefined(size_t bytes) {
-    void *memory = new_block(owner_of_new(), bytes);
+    void *memory = new_block(owner_of_new(), bytes, callers_own());
     if (!memory) ffp_leave(FFP_ERROR_MEMORY, bytes);
     return memory;
 }
@@ -83,19 +105,20 @@ void *ffp_take(size_t count, size_t size) {
 
 void *ffp_try_take(size_t count, size_t size) {
     size_t bytes;
-    return bytes_of(count, size, &bytes) ? undefined(new_block(owner_of_new(), bytes), bytes) : NULL;
+    return bytes_of(count, size, &bytes) ? undefined(new_block(owner_of_new(), bytes, callers_own()), bytes)
+                                         : NULL;
 }
 
 void *ffp_try_alloc(size_t count, size_t size) {
     size_t bytes;
     if (!bytes_of(count, size, &bytes)) return NULL;
-    void *memory = new_block(owner_of_new(), bytes);
+    void *memory = new_block(owner_of_new(), bytes, callers_own());
     return memory ? memset(memory, 0, bytes) : NULL;
 }
 
 void *ffp_alloc_kept(size_t count, size_t size) {
     const size_t bytes = ffp_checked_bytes(count, size);
-    void *memory = new_block(NULL, bytes);
+    void *memory = new_block(NULL, bytes, NULL);
     if (!memory) ffp_leave(FFP_ERROR_MEMORY, bytes);
     return memset(memory, 0, bytes);
 }
@@ -133,7 +156,7 @@ void *ffp_shrink(void *memory, size_t count, size_t size) {
     FfpBlock *block = block_of(memory);
     FfpBlocks *owner = block->owner;
     const size_t bytes = ffp_checked_bytes(count, size);
-    if (bytes >= block->bytes) return memory;
+    if (bytes >= block->bytes || block->release) return memory;
     ffp_blocks_remove(block);
     block->bytes = bytes;
     FfpBlock *moved = realloc(block, sizeof *block + bytes);
@@ -153,8 +176,7 @@ void ffp_free(void *memory) {
     if (!memory) return;
     FfpBlock *block = block_of(memory);
     ffp_blocks_remove(block);
-    block->magic = 0;
-    free(block);
+    ffp_block_release(block);
 }
 
 // --- Other things. ---

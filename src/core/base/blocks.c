@@ -21,6 +21,14 @@ void ffp_blocks_add(FfpBlocks *blocks, FfpBlock *block) {
     pthread_mutex_unlock(&blocks->lock);
 }
 
+void ffp_block_release(FfpBlock *block) {
+    block->magic = 0;
+    if (block->release)
+        block->release(block->user, block);
+    else
+        free(block);
+}
+
 // From its list; the others there do not know of it any more, or are on their way out too.
 static void unlink_block(FfpBlock *block) {
     block->owner = NULL;
@@ -81,8 +89,7 @@ void ffp_blocks_release(FfpBlocks *blocks) {
     }
     for (FfpBlock *block = blocks->first, *next; block; block = next) {
         next = block->after;
-        block->magic = 0;
-        free(block);
+        ffp_block_release(block);
     }
     blocks->first = NULL;
 }

@@ -9,7 +9,9 @@ typedef struct FfpBlock {
     FfpBlocks *owner; // NULL: nobody's but its holder's
     struct FfpBlock *before, *after;
     size_t bytes;
-    unsigned char unused[64 - 4 * sizeof(void *) - sizeof(uint64_t)];
+    void (*release)(void *user, void *memory); // NULL: free
+    void *user;
+    unsigned char unused[64 - 6 * sizeof(void *) - sizeof(uint64_t)];
     uint64_t magic;
 } FfpBlock;
 _Static_assert(sizeof(FfpBlock) == 64, "blocks stay aligned");
@@ -22,6 +24,7 @@ typedef struct FfpOwned { // resources other than memory
 
 void ffp_blocks_add(FfpBlocks *blocks, FfpBlock *block); // blocks NULL: to none
 void ffp_blocks_remove(FfpBlock *block);                 // from its owner's, if it has one
+void ffp_block_release(FfpBlock *block);                 // gives its memory back
 
 // False when there is no memory to note it. disown: NULL is allowed.
 bool ffp_blocks_own(FfpBlocks *blocks, void *thing, void (*release)(void *thing));

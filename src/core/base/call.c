@@ -1,8 +1,10 @@
 // A call from its beginning to its end, and its bodies of parallel regions.
 #include "core/base/call.h"
 #include <omp.h>
+#include <string.h>
 #include "core/base/blocks.h"
 #include "core/base/frame.h"
+#include "core/base/memory_file.h"
 
 static pthread_mutex_t device_lock = PTHREAD_MUTEX_INITIALIZER; // calls on a device take turns
 
@@ -127,6 +129,15 @@ bool ffp_call_run(FfpContext *context, bool (*work)(void *argument, FfpError *er
     if (!enter(&frame, work, argument, err, &ok)) ok = tell(&call, err);
     end(&call, &frame, ok);
     return ok;
+}
+
+void ffp_memory_file_use(FfpMemoryFile *file) {
+    if (ffp_call()) ffp_call()->file = file;
+}
+
+FfpMemoryFile *ffp_memory_file(const char *path) {
+    FfpMemoryFile *file = ffp_call() ? ffp_call()->file : NULL;
+    return file && strcmp(file->path, path) == 0 ? file : NULL;
 }
 
 void ffp_call_forget(void) {

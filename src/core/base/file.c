@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include "core/base/call.h"
+#include "core/base/memory_file.h"
 
 #define LINKS_MAX 40     // as in Linux's own path lookup
 #define TEMPORARIES 1000 // names that are tried for one
@@ -23,7 +24,15 @@ static const char *not_regular(const struct stat *about) {
 
 // --- Reading. ---
 
+static FILE *open_contents(const FfpMemoryFile *file, FfpError *err) {
+    FILE *stream = file->size > 0 ? fmemopen((void *)file->bytes, file->size, "rb") : NULL;
+    if (!stream) ffp_fail(err, FFP_ERROR_FILE, file->path, file->size > 0 ? "cannot open" : "is empty");
+    return stream;
+}
+
 FILE *ffp_open_to_read(const char *path, FfpError *err) {
+    const FfpMemoryFile *file = ffp_memory_file(path);
+    if (file) return open_contents(file, err);
     const int fd = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
     struct stat about;
     if (fd < 0 || fstat(fd, &about) != 0) {
@@ -38,6 +47,13 @@ FILE *ffp_open_to_read(const char *path, FfpError *err) {
         ffp_fail(err, FFP_ERROR_IO, path, "cannot open: %s", strerror(errno));
     if (!stream) close(fd);
     return stream;
+}
+
+int64_t ffp_file_size(FILE *stream) {
+    const off_t at = ftello(stream);
+    if (at < 0 || fseeko(stream, 0, SEEK_END) != 0) return -1;
+    const off_t size = ftello(stream);
+    return fseeko(stream, at, SEEK_SET) == 0 ? (int64_t)size : -1;
 }
 
 FILE *ffp_open_to_grow(const char *path, bool append, FfpError *err) {
@@ -58,11 +74,10 @@ FILE *ffp_open_to_grow(const char *path, bool append, FfpError *err) {
 // Reads to the end of an open file, which may have grown since its size was asked.
 static bool read_stream(FILE *stream, const char *path, size_t max_bytes, char **data, size_t *size,
                         FfpError *err) {
-    struct stat about;
-    const bool known = fstat(fileno(stream), &about) == 0 && about.st_size > 0;
-    if (known && (unsigned long long)about.st_size > max_bytes)
+    const int64_t known = ffp_file_size(stream);
+    if (known > 0 && (uint64_t)known > max_bytes)
         return ffp_fail(err, FFP_ERROR_FILE, path, "file is larger than %zu bytes", max_bytes);
-    size_t capacity = (known ? (size_t)about.st_size : 0) + 4096, used = 0;
+    size_t capacity = (known > 0 ? (size_t)known : 0) + 4096, used = 0;
     char *buffer = ffp_try_take(capacity, 1);
     while (buffer) {
         used += fread(buffer + used, 1, capacity - 1 - used, stream);
@@ -193,12 +208,18 @@ static int take_temporary(FfpOutput *out, bool folder) {
 typedef struct FfpTemporary {
     FILE *stream; // NULL: a folder
     char name[FFP_PATH_MAX + 32];
+    FfpMemoryFile *file; // in memory: it has no name, but
+    char *bytes;         // what the stream holds, by malloc
+    size_t size;
 } FfpTemporary;
 
 static void remove_temporary(void *thing) {
     FfpTemporary *temporary = thing;
     if (temporary->stream) fclose(temporary->stream);
-    if (unlink(temporary->name) != 0) ffp_remove_tree(temporary->name);
+    if (temporary->file)
+        free(temporary->bytes);
+    else if (unlink(temporary->name) != 0)
+        ffp_remove_tree(temporary->name);
     ffp_free(temporary);
 }
 
@@ -229,8 +250,41 @@ static bool cannot_write(FfpOutput *out, int reason, FfpError *err) {
     return ffp_fail(err, FFP_ERROR_IO, out->path, "cannot write: %s", strerror(reason));
 }
 
+static bool open_in_memory(FfpOutput *out, FfpMemoryFile *file, FfpError *err) {
+    FfpTemporary *owned = ffp_try_alloc(1, sizeof *owned);
+    *out = (FfpOutput){.owned = owned};
+    if (owned && (owned->stream = open_memstream(&owned->bytes, &owned->size))) {
+        owned->file = file;
+        out->stream = owned->stream;
+        snprintf(out->path, sizeof out->path, "%s", file->path);
+        memcpy(out->temporary, out->path, sizeof out->path);
+        out->target = strlen(out->path);
+        if (ffp_try_own(owned, remove_temporary)) return true;
+        remove_temporary(owned);
+    } else {
+        ffp_free(owned);
+    }
+    *out = (FfpOutput){0};
+    return ffp_fail(err, FFP_ERROR_MEMORY, file->path, "out of memory");
+}
+
+static bool commit_in_memory(FfpOutput *out, FfpError *err) {
+    FfpTemporary *owned = out->owned;
+    FfpMemoryFile *file = owned->file;
+    const bool ok = !ferror(owned->stream) && fflush(owned->stream) == 0;
+    file->written = ok ? ffp_try_take(owned->size, 1) : NULL;
+    if (file->written) {
+        memcpy(file->written, owned->bytes, owned->size);
+        file->size = owned->size;
+    }
+    ffp_output_abort(out);
+    return file->written || ffp_fail(err, FFP_ERROR_MEMORY, file->path, "out of memory");
+}
+
 bool ffp_output_open(FfpOutput *out, const char *path, FfpError *err) {
     struct stat there;
+    FfpMemoryFile *file = ffp_memory_file(path);
+    if (file) return open_in_memory(out, file, err);
     if (!find_target(out, path, &there, err)) return false;
     if (path[strlen(path) - 1] == '/') return cannot_write(out, EISDIR, err);
     if (there.st_mode != 0 && not_regular(&there)) {
@@ -283,6 +337,7 @@ static bool finish_stream(FfpOutput *out) {
 bool ffp_output_commit(FfpOutput *out, FfpError *err) {
     char target[FFP_PATH_MAX];
     if (out->temporary[0] == 0) return ffp_fail(err, FFP_ERROR_IO, out->path, "cannot write: not open");
+    if (out->owned && out->owned->file) return commit_in_memory(out, err);
     const bool folder = !out->stream;
     disown_temporary(out);
     target_of(out, target);
@@ -300,6 +355,12 @@ bool ffp_output_commit(FfpOutput *out, FfpError *err) {
 
 void ffp_output_abort(FfpOutput *out) {
     if (out->temporary[0] == 0) return;
+    if (out->owned && out->owned->file) {
+        ffp_disown(out->owned);
+        remove_temporary(out->owned);
+        *out = (FfpOutput){0};
+        return;
+    }
     disown_temporary(out);
     if (out->stream) fclose(out->stream);
     out->stream = NULL;

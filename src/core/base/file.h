@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 #include "core/base/alloc.h"
 #include "core/base/error.h"
@@ -12,6 +13,8 @@
 
 // Opens a regular file; a folder, a FIFO or a device is refused, without waiting for its other end.
 FILE *ffp_open_to_read(const char *path, FfpError *err);
+// Bytes of a file that was opened so; -1: unknown.
+int64_t ffp_file_size(FILE *stream);
 // Opens a file that is written in place, line by line, creating it if necessary; `append`: after its
 // contents.
 FILE *ffp_open_to_grow(const char *path, bool append, FfpError *err);

@@ -10,19 +10,20 @@
 typedef struct FfpCall {
     FfpContext *context;
     FfpBlocks blocks;
-    pthread_mutex_t lock;    // of the log callback
-    atomic_int failed;       // an FfpErrorCode
-    atomic_size_t wanted;    // bytes that could not be allocated
-    atomic_bool cancelled;   // by the caller
-    bool ending;             // everything still held is being released
-    bool held_off;           // when cancelled, the work itself comes to an end
-    FfpProgress progress;    // of the innermost task, except for:
-    atomic_llong done;       // its steps
-    char extra[128];         // the text of its last step
-    double began, asked;     // ffp_seconds() when that task began, and at the last progress callback
-    const FfpDevice *device; // that the thread worked on before
-    int threads;             // of OpenMP, before
-    locale_t locale;         // of the thread, before: the callbacks' own
+    pthread_mutex_t lock;       // of the log callback
+    atomic_int failed;          // an FfpErrorCode
+    atomic_size_t wanted;       // bytes that could not be allocated
+    atomic_bool cancelled;      // by the caller
+    bool ending;                // everything still held is being released
+    bool held_off;              // when cancelled, the work itself comes to an end
+    FfpProgress progress;       // of the innermost task, except for:
+    atomic_llong done;          // its steps
+    char extra[128];            // the text of its last step
+    double began, asked;        // ffp_seconds() when that task began, and at the last progress callback
+    const FfpDevice *device;    // that the thread worked on before
+    int threads;                // of OpenMP, before
+    locale_t locale;            // of the thread, before: the callbacks' own
+    struct FfpMemoryFile *file; // one that it has in memory; NULL: none
 } FfpCall;
 
 // The target of a jump: the call's own frame, or that of a body of ffp_parallel_for.

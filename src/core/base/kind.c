@@ -3,6 +3,7 @@
 #include <string.h>
 #include <strings.h>
 #include "core/base/file.h"
+#include "core/base/memory_file.h"
 
 enum { HEAD = 256 };
 
@@ -46,7 +47,7 @@ static bool is_foreign_json(const unsigned char *head, size_t size, const char *
 
 FfpKind ffp_file_kind(const char *path) {
     unsigned char head[HEAD];
-    if (ffp_is_folder(path)) return FFP_KIND_FOLDER;
+    if (!ffp_memory_file(path) && ffp_is_folder(path)) return FFP_KIND_FOLDER;
     FILE *stream = ffp_open_to_read(path, NULL);
     if (!stream) return FFP_KIND_UNKNOWN;
     const size_t size = fread(head, 1, sizeof head, stream);

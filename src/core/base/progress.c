@@ -18,8 +18,8 @@ static void ask(double now) {
     FfpProgress p = call->progress;
     p.extra = call->extra[0] ? call->extra : NULL;
     p.done = call->done;
-    p.seconds = p.stage ? now - call->began : 0;
-    p.seconds_left = p.done > 0 ? p.seconds * (double)(p.total - p.done) / (double)p.done : -1.0;
+    p.elapsed_s = p.stage ? now - call->began : 0;
+    p.left_s = p.done > 0 ? p.elapsed_s * (double)(p.total - p.done) / (double)p.done : -1.0;
     call->asked = now;
     const locale_t ours = uselocale(call->locale);
     if (!settings->progress(settings->user, &p)) call->cancelled = true;
@@ -29,7 +29,7 @@ static void ask(double now) {
 static void ask_in_time(void) {
     if (!is_asked()) return;
     const double now = ffp_seconds();
-    if (now - ffp_call()->asked >= ffp_call_context()->settings.interval) ask(now);
+    if (now - ffp_call()->asked >= ffp_call_context()->settings.interval_s) ask(now);
 }
 
 // --- Being cancelled. ---

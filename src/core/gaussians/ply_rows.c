@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+#include "core/base/file.h"
 #include "core/gaussians/ply_header.h"
 
 enum { WORD_BYTES = 64 };
@@ -19,11 +19,10 @@ static bool has_lists(const FfpPly *ply) {
 }
 
 bool ffp_ply_check_size(const FfpPly *ply, FILE *stream, const char *path, FfpError *err) {
-    struct stat info;
-    if (fstat(fileno(stream), &info) != 0 || !S_ISREG(info.st_mode))
-        return ffp_fail(err, FFP_ERROR_FILE, path, "is not a regular file");
+    const int64_t size = ffp_file_size(stream);
+    if (size < 0) return ffp_fail(err, FFP_ERROR_FILE, path, "its size is unknown");
     const bool text = ply->encoding == FFP_PLY_ASCII;
-    const int64_t rest = (int64_t)info.st_size - (int64_t)ftello(stream);
+    const int64_t rest = size - (int64_t)ftello(stream);
     int64_t want = text ? -1 : 0; // every number of a text has a character after it, but perhaps the last
     for (int i = 0; i < ply->n_elements; i++) {
         const FfpPlyElement *element = &ply->elements[i];

@@ -32,7 +32,7 @@ static void tell(FfpAlignmentStats *stats, const FfpAlignReport *done, double se
                                  .focal = {done->camera, done->projector},
                                  .before = done->before,
                                  .after = done->after,
-                                 .seconds = seconds};
+                                 .elapsed_s = seconds};
 }
 
 bool ffp_alignment_run(FfpCapture *capture, const FfpAlignment *options, FfpAlignmentStats *stats,

@@ -367,7 +367,7 @@ static FfpImages *run(const FfpGaussians *gaussians, const FfpCapture *capture,
         solve(&job, &found);
         images = ffp_images_new();
         ok = collect(&job, images, err);
-        found.seconds = ffp_seconds() - begin;
+        found.elapsed_s = ffp_seconds() - begin;
         if (stats) *stats = found;
     }
     free_job(&job);

@@ -74,7 +74,7 @@ static void add_stats(FfpCompensationStats *sum, const FfpCompensationStats *one
     sum->psnr_dark += one->psnr_dark;
     sum->psnr_closed += one->psnr_closed;
     sum->psnr += one->psnr;
-    sum->seconds += one->seconds;
+    sum->elapsed_s += one->elapsed_s;
 }
 
 static bool add_corrected(FilmJob *job, const FfpRaw *frame, bool first, FfpError *err) {

@@ -13,10 +13,10 @@ typedef struct Work {
 
 static FfpRefineSettings settings_of(const FfpRefinement *options, FILE *metrics) {
     FfpRefineSettings s = ffp_refine_defaults();
-    const bool limited = options->steps > 0 || options->seconds > 0;
+    const bool limited = options->steps > 0 || options->limit_s > 0;
     s.render = ffp_drawing_settings(options->drawing, NULL);
     s.steps = options->steps;
-    s.seconds = limited ? options->seconds : FFP_REFINE_SECONDS;
+    s.seconds = limited ? options->limit_s : FFP_REFINE_SECONDS;
     s.seed = options->seed;
     s.may_stop = true;
     s.metrics = metrics;

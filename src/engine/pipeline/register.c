@@ -369,6 +369,6 @@ void ffp_registration_run(FfpCapture *capture, const FfpGaussians *gaussians, in
         &sums.camera_pixels, &sums.projector_pixels, &sums.before,           &sums.after,
         &sums.camera_turned, &sums.camera_moved,     &sums.projector_turned, &sums.projector_moved};
     for (size_t i = 0; i < sizeof means / sizeof *means; i++) *means[i] /= capture->n_views;
-    sums.seconds = ffp_seconds() - begin;
+    sums.elapsed_s = ffp_seconds() - begin;
     if (stats) *stats = sums;
 }

@@ -24,10 +24,10 @@ typedef struct Call {
 
 static FfpScratchSettings scratch_settings(const FfpRefinement *options, FILE *metrics) {
     FfpScratchSettings s = ffp_scratch_defaults(options->drawing.form == FFP_FORM_GS_PROCAMS);
-    const bool limited = options->steps > 0 || options->seconds > 0;
+    const bool limited = options->steps > 0 || options->limit_s > 0;
     s.fit.render = ffp_drawing_settings(options->drawing, NULL);
     s.fit.steps = limited ? options->steps : SCRATCH_STEPS;
-    s.fit.seconds = options->seconds;
+    s.fit.seconds = options->limit_s;
     s.fit.seed = options->seed;
     s.fit.may_stop = true;
     s.fit.metrics = metrics;
@@ -80,9 +80,9 @@ FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *captur
 static FfpFieldSettings field_settings(const Call *call, FILE *metrics) {
     const FfpRefinement *options = call->options;
     FfpFieldSettings s = ffp_field_defaults();
-    const bool limited = options->steps > 0 || options->seconds > 0;
+    const bool limited = options->steps > 0 || options->limit_s > 0;
     s.steps = options->steps;
-    s.seconds = limited ? options->seconds : FIELD_SECONDS;
+    s.seconds = limited ? options->limit_s : FIELD_SECONDS;
     s.seed = options->seed;
     s.may_stop = true;
     s.metrics = metrics;
@@ -101,7 +101,7 @@ static bool fit_field(void *argument, const FfpFitPhotographs *p, FfpError *err)
     if (call->stats)
         *call->stats = (FfpRefinementStats){.psnr_after = result.psnr,
                                             .steps = result.steps,
-                                            .seconds = result.seconds,
+                                            .elapsed_s = result.seconds,
                                             .stopped = result.stopped};
     return true;
 }

@@ -10,7 +10,8 @@
 #define INTERVAL 0.05 // seconds
 
 void ffp_context_defaults_into(FfpContextSettings *options, size_t size) {
-    ffp_give_defaults(options, size, &(FfpContextSettings){.interval = INTERVAL}, sizeof(FfpContextSettings));
+    ffp_give_defaults(options, size, &(FfpContextSettings){.interval_s = INTERVAL},
+                      sizeof(FfpContextSettings));
 }
 
 static bool open_cuda(void *argument, FfpError *err) {
@@ -31,6 +32,8 @@ static bool check(const FfpContextSettings *settings, FfpError *err) {
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "threads", "%d threads are too few", settings->threads);
     if (settings->device != FFP_DEVICE_CPU && settings->device != FFP_DEVICE_CUDA)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "device", "unknown device kind %d", (int)settings->device);
+    if (!settings->allocate != !settings->release)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "allocate", "allocate and release go together");
     return true;
 }
 

@@ -9,6 +9,7 @@
 #include "engine/network/shipped.h"
 #include "ffprocams.h"
 #include "product/api/arguments.h"
+#include "product/api/source.h"
 
 const char *ffp_version(void) {
     return FFP_VERSION;
@@ -80,18 +81,21 @@ void ffp_capture_close(FfpCapture *capture) {
 }
 
 typedef struct OpenModel {
-    const char *path;
+    FfpSource source;
     FfpModel *model;
 } OpenModel;
 
 static bool open_model(void *argument, FfpError *err) {
     OpenModel *call = argument;
-    call->model = ffp_model_load(call->path, err);
+    ffp_source_use(&call->source);
+    call->model = ffp_model_load(call->source.path, err);
+    ffp_memory_file_use(NULL);
     return call->model != NULL;
 }
 
-FfpModel *ffp_model_open(FfpContext *context, const char *path, FfpError *err) {
-    OpenModel call = {.path = path};
+FfpModel *ffp_model_open(FfpContext *context, const char *path, const FfpBytes *contents, FfpError *err) {
+    OpenModel call = {0};
+    if (!ffp_source_find(&call.source, path, contents, err)) return NULL;
     return ffp_call_run(context, open_model, &call, err) ? call.model : NULL;
 }
 
@@ -100,19 +104,23 @@ void ffp_model_close(FfpModel *model) {
 }
 
 typedef struct OpenGaussians {
-    const char *path;
+    FfpSource source;
     FfpGaussians *gaussians;
 } OpenGaussians;
 
 static bool open_gaussians(void *argument, FfpError *err) {
     OpenGaussians *call = argument;
-    call->gaussians = ffp_gaussians_load(call->path, err);
+    ffp_source_use(&call->source);
+    call->gaussians = ffp_gaussians_load(call->source.path, err);
+    ffp_memory_file_use(NULL);
     return call->gaussians != NULL;
 }
 
-FfpGaussians *ffp_gaussians_open(FfpContext *context, const char *path, FfpError *err) {
-    OpenGaussians call = {.path = path};
-    if (!ffp_need(path, "path", err)) return NULL;
+FfpGaussians *ffp_gaussians_open(FfpContext *context, const char *path, const FfpBytes *contents,
+                                 FfpError *err) {
+    OpenGaussians call = {0};
+    if (!ffp_source_find(&call.source, path, contents, err) || !ffp_need(call.source.path, "path", err))
+        return NULL;
     return ffp_call_run(context, open_gaussians, &call, err) ? call.gaussians : NULL;
 }
 
@@ -130,6 +138,27 @@ bool ffp_gaussians_save(FfpContext *context, const FfpGaussians *gaussians, cons
     SaveGaussians call = {gaussians, path};
     if (!ffp_need_gaussians(gaussians, err) || !ffp_need(path, "path", err)) return false;
     return ffp_call_run(context, save_gaussians, &call, err);
+}
+
+typedef struct WriteGaussians {
+    const FfpGaussians *gaussians;
+    FfpMemoryFile file;
+} WriteGaussians;
+
+static bool write_gaussians(void *argument, FfpError *err) {
+    WriteGaussians *call = argument;
+    ffp_memory_file_use(&call->file);
+    const bool ok = ffp_gaussians_write_drawn(call->gaussians, call->file.path, err);
+    ffp_memory_file_use(NULL);
+    return ok;
+}
+
+void *ffp_gaussians_bytes(FfpContext *context, const FfpGaussians *gaussians, size_t *size, FfpError *err) {
+    WriteGaussians call = {gaussians, {.path = "gaussians"}};
+    if (!ffp_need_gaussians(gaussians, err) || !ffp_need(size, "size", err)) return NULL;
+    if (!ffp_call_run(context, write_gaussians, &call, err)) return NULL;
+    *size = call.file.size;
+    return call.file.written;
 }
 
 bool ffp_can_write(const char *path, FfpError *err) {

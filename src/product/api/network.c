@@ -8,6 +8,7 @@
 #include "engine/network/prepared.h"
 #include "engine/pipeline/reconstruct.h"
 #include "product/api/arguments.h"
+#include "product/api/source.h"
 #include "rig/checks/checks.h"
 
 _Static_assert(sizeof(FfpPixelBase) == FFP_PREPARED_BASE * sizeof(float), "the columns of FfpPreparedArrays");
@@ -44,21 +45,33 @@ FfpWeights ffp_model_weights(FfpModel *model, int number) {
 
 typedef struct SaveCall {
     const FfpModel *model;
-    const char *path;
+    const char *path; // NULL: to memory
     bool exact;
+    FfpMemoryFile memory;
 } SaveCall;
 
 static bool save(void *argument, FfpError *err) {
-    const SaveCall *call = argument;
+    SaveCall *call = argument;
     const FfpModel *m = call->model;
-    return ffp_model_write(m, call->path, call->exact, (const char *const *)m->metadata, m->metadata_count,
-                           err);
+    if (!call->path) ffp_memory_file_use(&call->memory);
+    const bool ok = ffp_model_write(m, call->path ? call->path : call->memory.path, call->exact,
+                                    (const char *const *)m->metadata, m->metadata_count, err);
+    ffp_memory_file_use(NULL);
+    return ok;
 }
 
 bool ffp_model_save(FfpContext *context, const FfpModel *model, const char *path, bool exact, FfpError *err) {
-    SaveCall call = {model, path, exact};
+    SaveCall call = {.model = model, .path = path, .exact = exact};
     if (!ffp_need(model, "model", err) || !ffp_need(path, "path", err)) return false;
     return ffp_call_run(context, save, &call, err);
+}
+
+void *ffp_model_bytes(FfpContext *context, const FfpModel *model, bool exact, size_t *size, FfpError *err) {
+    SaveCall call = {.model = model, .exact = exact, .memory = {.path = "weights"}};
+    if (!ffp_need(model, "model", err) || !ffp_need(size, "size", err)) return NULL;
+    if (!ffp_call_run(context, save, &call, err)) return NULL;
+    *size = call.memory.size;
+    return call.memory.written;
 }
 
 typedef struct PrepareCall {
@@ -129,6 +142,31 @@ void ffp_prepared_close(FfpPrepared *prepared) {
     ffp_prepared_free(prepared);
 }
 
+typedef struct PerceptualCall {
+    FfpSource source;
+    FfpPerceptual *network;
+} PerceptualCall;
+
+static bool open_perceptual(void *argument, FfpError *err) {
+    PerceptualCall *call = argument;
+    ffp_source_use(&call->source);
+    call->network = ffp_perceptual_read(call->source.path, err);
+    ffp_memory_file_use(NULL);
+    return call->network != NULL;
+}
+
+FfpPerceptual *ffp_perceptual_open(FfpContext *context, const char *path, const FfpBytes *contents,
+                                   FfpError *err) {
+    PerceptualCall call = {0};
+    if (!ffp_source_find(&call.source, path, contents, err) || !ffp_need(call.source.path, "path", err))
+        return NULL;
+    return ffp_call_run(context, open_perceptual, &call, err) ? call.network : NULL;
+}
+
+void ffp_perceptual_close(FfpPerceptual *network) {
+    if (network) ffp_perceptual_free(network);
+}
+
 typedef struct LossCall {
     const FfpPictureLoss *given;
     double *loss;
@@ -150,6 +188,9 @@ static bool picture_loss(void *argument, FfpError *err) {
         if (wanted) memset(gradient.data, 0, size * sizeof(real));
         if (l->l1 > 0) sum += (double)ffp_l1_loss(&picture, &target, (real)(share * l->l1), wanted);
         if (l->ssim > 0) sum += (double)ffp_ssim_loss(&picture, &target, (real)(share * l->ssim), wanted);
+        if (l->perceptual > 0)
+            sum += (double)ffp_perceptual_loss(l->network, &picture, &target, (real)(share * l->perceptual),
+                                               wanted);
     }
     *call->loss = sum;
     return true;
@@ -169,5 +210,16 @@ bool ffp_picture_loss(FfpContext *context, const FfpPictureLoss *pictures, doubl
     if (!(pictures->l1 >= 0 && pictures->l1 <= 1e6 && pictures->ssim >= 0 && pictures->ssim <= 1e6))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "pictures", "weights %g and %g are not in 0 to 1e6",
                         pictures->l1, pictures->ssim);
+    if (!(pictures->perceptual >= 0 && pictures->perceptual <= 1e6))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "pictures.perceptual", "weight %g is not in 0 to 1e6",
+                        pictures->perceptual);
+    if (pictures->perceptual > 0) {
+        if (!ffp_need(pictures->network, "pictures.network", err)) return false;
+        const int least = ffp_perceptual_least_side(pictures->network);
+        if (width < least || height < least)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, "pictures",
+                            "%d x %d pixels are fewer than the network's %d x %d", width, height, least,
+                            least);
+    }
     return ffp_call_run(context, picture_loss, &call, err);
 }

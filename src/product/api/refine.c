@@ -6,7 +6,7 @@
 
 void ffp_refinement_defaults_into(FfpRefinement *options, size_t size) {
     ffp_give_defaults(options, size,
-                      &(FfpRefinement){.seconds = FFP_REFINE_SECONDS, .noise = FFP_NOISE_ESTIMATED},
+                      &(FfpRefinement){.limit_s = FFP_REFINE_SECONDS, .noise = FFP_NOISE_ESTIMATED},
                       sizeof(FfpRefinement));
 }
 

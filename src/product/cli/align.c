@@ -10,7 +10,7 @@ typedef struct Arguments {
 
 static void print_json(const char *output, const FfpAlignmentStats *s) {
     json_t *all = json_pack("{s:s, s:f, s:f, s:f}", "output", output, "before", s->before, "after", s->after,
-                            "seconds", s->seconds);
+                            "seconds", s->elapsed_s);
     if (s->known)
         json_object_update_new(all, json_pack("{s:{s:f, s:f, s:f}, s:{s:f, s:f, s:f}}", "camera", "rotated",
                                               s->camera_turned, "moved", s->camera_moved, "pixels",
@@ -34,7 +34,7 @@ static void tell_known(const char *output, const FfpAlignmentStats *stats) {
            "%s: aligned in %.1f s\n",
            stats->camera_turned, stats->camera_moved, stats->camera_pixels, stats->projector_turned,
            stats->projector_moved, stats->projector_pixels, stats->after, stats->before, output,
-           stats->seconds);
+           stats->elapsed_s);
 }
 
 static void tell(const char *output, const FfpAlignmentStats *stats) {
@@ -56,7 +56,7 @@ static void tell(const char *output, const FfpAlignmentStats *stats) {
            "            by as much the other way; both by %+.3f sideways\n"
            "pictures    pattern values differ by %.4f (%.4f before)\n"
            "%s: aligned in %.1f s\n",
-           stats->depth, stats->across, stats->side, stats->after, stats->before, output, stats->seconds);
+           stats->depth, stats->across, stats->side, stats->after, stats->before, output, stats->elapsed_s);
 }
 
 static int run(void *data) {
@@ -67,7 +67,7 @@ static int run(void *data) {
                               ? ffp_capture_open(ffp_cli_context(), arguments->capture, NULL, &err)
                               : NULL;
     FfpGaussians *known = capture && arguments->gaussians
-                              ? ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err)
+                              ? ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, NULL, &err)
                               : NULL;
     arguments->options.gaussians = known;
     const bool ok = capture && (known || !arguments->gaussians) &&

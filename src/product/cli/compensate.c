@@ -23,7 +23,7 @@ static void tell(const FfpCompensation *how, const FfpCompensationStats *stats) 
     printf("PSNR           %.2f dB dark, %.2f dB in closed form, %.2f dB after %d steps (predicted, lit "
            "pixels)\n",
            stats->psnr_dark, stats->psnr_closed, stats->psnr, how->steps);
-    printf("time           %.1f s\n", stats->seconds);
+    printf("time           %.1f s\n", stats->elapsed_s);
 }
 
 static int run(void *data) {
@@ -40,7 +40,7 @@ static int run(void *data) {
     if (how->n_targets > 1 && how->n_targets != how->n_views)
         return ffp_cli_usage("compensate", "%d targets for %d views: give one for all views, or one for each",
                              how->n_targets, how->n_views);
-    FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
+    FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, NULL, &err);
     FfpCapture *capture = gaussians ? ffp_cli_open_devices(arguments->capture, true, &err) : NULL;
     if (capture && ffp_cli_turn(gaussians, arguments->gaussians, capture, arguments->up, &err))
         ok = ffp_compensate(ffp_cli_context(), gaussians, capture, how, &stats, &err);

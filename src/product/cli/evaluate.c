@@ -63,7 +63,7 @@ static bool open_model(FfpEvaluation *evaluation, const char *path, FfpModel **m
     if (none || evaluation->n_merged || evaluation->gaussians || evaluation->field ||
         evaluation->predictor != FFP_PREDICT_GAUSSIANS)
         return true;
-    *model = ffp_model_open(ffp_cli_context(), path, err);
+    *model = ffp_model_open(ffp_cli_context(), path, NULL, err);
     evaluation->model = *model;
     return *model != NULL;
 }

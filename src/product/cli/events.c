@@ -74,5 +74,5 @@ void ffp_cli_event_progress(const FfpProgress *p) {
     snprintf(stage, sizeof stage, "%s", name);
     told_at = now;
     put(json_pack("{s:s, s:s, s:I, s:I, s:f}", "event", "progress", "stage", stage, "done",
-                  (json_int_t)p->done, "total", (json_int_t)p->total, "left", p->seconds_left));
+                  (json_int_t)p->done, "total", (json_int_t)p->total, "left", p->left_s));
 }

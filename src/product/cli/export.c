@@ -11,7 +11,7 @@ static int run(void *data) {
     FfpError err = {0};
     FfpExportStats stats;
     bool ok = false;
-    FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
+    FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, NULL, &err);
     const bool with = arguments->capture != NULL;
     const bool sphere = arguments->how.mesh; // that the mesh lies in
     FfpCapture *capture = gaussians && with ? ffp_cli_open_devices(arguments->capture, sphere, &err) : NULL;

@@ -76,13 +76,13 @@ static void print_duration(double seconds, char *text, size_t size) {
 
 static void show(const FfpProgress *p, bool terminal) {
     char left[32] = "?";
-    if (p->seconds_left >= 0) print_duration(p->seconds_left, left, sizeof left);
+    if (p->left_s >= 0) print_duration(p->left_s, left, sizeof left);
     if (p->total == 0)
         fprintf(stderr, "%sffprocams: %s%s", terminal ? "\r\033[K" : "", p->stage, terminal ? "" : "\n");
     else
         fprintf(stderr, "%sffprocams: %s %lld/%lld, %.3g/s, %s left%s%s%s", terminal ? "\r\033[K" : "",
                 p->stage, (long long)p->done, (long long)p->total,
-                p->seconds > 0 ? (double)p->done / p->seconds : 0, left, p->extra ? ", " : "",
+                p->elapsed_s > 0 ? (double)p->done / p->elapsed_s : 0, left, p->extra ? ", " : "",
                 p->extra ? p->extra : "", terminal ? "" : "\n");
     fflush(stderr);
     shown = terminal;
@@ -104,7 +104,7 @@ static bool on_progress(void *user, const FfpProgress *p) {
     if (ffp_cli_ranks() && ffp_cli_ranks()->rank > 0) return !interrupted;
     if (!p->stage) {
         ffp_cli_clear_progress();
-    } else if (p->seconds >= interval && now() - shown_at >= interval) {
+    } else if (p->elapsed_s >= interval && now() - shown_at >= interval) {
         show(p, terminal);
         shown_at = now();
     }

@@ -26,7 +26,7 @@ static int run(void *data) {
     int written = -1;
     arguments->maps.views = arguments->views.values;
     arguments->maps.n_views = arguments->views.count;
-    FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
+    FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, NULL, &err);
     FfpCapture *capture = gaussians ? ffp_cli_open_devices(arguments->capture, false, &err) : NULL;
     if (capture && ffp_cli_turn(gaussians, arguments->gaussians, capture, arguments->up, &err))
         written = ffp_write_maps(ffp_cli_context(), gaussians, capture, &arguments->maps, stats,

@@ -33,7 +33,7 @@ static int run(void *data) {
     opening.patterns = arguments->patterns.values;
     opening.n_patterns = arguments->patterns.count;
     FfpCapture *capture = ok ? ffp_capture_open(ffp_cli_context(), arguments->capture, &opening, &err) : NULL;
-    ok = capture && (none || (model = ffp_model_open(ffp_cli_context(), arguments->model, &err)));
+    ok = capture && (none || (model = ffp_model_open(ffp_cli_context(), arguments->model, NULL, &err)));
     if (ok) {
         arguments->how.model = model;
         arguments->how.patterns = arguments->patterns.values;

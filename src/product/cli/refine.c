@@ -18,7 +18,7 @@ typedef struct Arguments {
 static void tell(const Arguments *arguments, const FfpRefinementStats *stats) {
     printf("%s: %lld Gaussians, %.2f -> %.2f dB on the fitted pictures, %lld steps in %.1f s%s\n",
            arguments->output, (long long)stats->gaussians, stats->psnr_before, stats->psnr_after,
-           (long long)stats->steps, stats->seconds,
+           (long long)stats->steps, stats->elapsed_s,
            stats->dropped   ? ": the fit made them worse and was discarded"
            : stats->stopped ? ", interrupted"
                             : "");
@@ -34,7 +34,7 @@ static bool run_field(const Arguments *arguments, const FfpCapture *capture, Ffp
     if (ok && arguments->checkpoint && !stats.stopped) remove(arguments->checkpoint);
     if (ok)
         printf("%s: a neural field, %.2f dB on the fitted pictures, %lld steps in %.1f s%s\n",
-               arguments->output, stats.psnr_after, (long long)stats.steps, stats.seconds,
+               arguments->output, stats.psnr_after, (long long)stats.steps, stats.elapsed_s,
                stats.stopped ? ", interrupted" : "");
     ffp_neural_field_close(field);
     return ok;
@@ -45,7 +45,7 @@ static bool run_gaussians(const Arguments *arguments, const FfpCapture *capture,
     FfpGaussians *gaussians = NULL;
     bool ok = true;
     if (arguments->gaussians &&
-        !(gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, err)))
+        !(gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, NULL, err)))
         return false;
     if (gaussians && !ffp_cli_turn(gaussians, arguments->gaussians, capture, arguments->up, err)) {
         ffp_gaussians_close(gaussians);
@@ -111,7 +111,7 @@ static void set_defaults(void *data) {
     FfpRefinement *refinement = &((Arguments *)data)->refinement;
     ((Arguments *)data)->form = -1;
     *refinement = ffp_refinement_defaults();
-    refinement->seconds = 0; // the same seconds when no steps are given, and no limit when they are
+    refinement->limit_s = 0; // the same seconds when no steps are given, and no limit when they are
     refinement->seed = 1;
 }
 
@@ -132,7 +132,7 @@ static const FfpOption options[] = {
      .letter = 's',
      .argument = "S",
      .type = FFP_OPTION_REAL,
-     .offset = offsetof(Arguments, refinement.seconds),
+     .offset = offsetof(Arguments, refinement.limit_s),
      .least = 1,
      .most = 1e7,
      .takes = "a number from 1 to 10000000",

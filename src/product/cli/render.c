@@ -33,7 +33,7 @@ static int run(void *data) {
     pictures->patterns = arguments->patterns.values;
     pictures->n_patterns = arguments->patterns.count;
     if (check(arguments) >= 0) return FFP_EXIT_USAGE;
-    FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
+    FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, NULL, &err);
     const bool with = arguments->capture != NULL;
     const bool sphere = pictures->orbit != FFP_ORBIT_NONE; // that the orbit leads around
     FfpCapture *capture = gaussians && with ? ffp_cli_open_devices(arguments->capture, sphere, &err) : NULL;

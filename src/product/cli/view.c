@@ -12,7 +12,7 @@ static int run(void *data) {
     FfpError err = {0};
     FfpPageStats stats;
     bool ok = false;
-    FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
+    FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, NULL, &err);
     FfpCapture *capture = gaussians ? ffp_cli_open_devices(arguments->capture, true, &err) : NULL;
     if (capture && ffp_cli_turn(gaussians, arguments->gaussians, capture, arguments->up, &err))
         ok = ffp_write_page(ffp_cli_context(), gaussians, capture, &arguments->page, &stats, &err);

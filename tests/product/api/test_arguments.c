@@ -24,7 +24,7 @@ static void handles_are_asked_for(void **state) {
     refused(!ffp_capture_save(NULL, NULL, "folder", &err), "capture");
     refused(!ffp_capture_save(NULL, capture, NULL, &err), "folder");
     refused(!ffp_can_save_capture(NULL, &err), "folder");
-    refused(!ffp_gaussians_open(NULL, NULL, &err), "path");
+    refused(!ffp_gaussians_open(NULL, NULL, NULL, &err), "path");
     refused(!ffp_gaussians_save(NULL, NULL, "file", &err), "gaussians");
     refused(!ffp_gaussians_save(NULL, gaussians, NULL, &err), "path");
     refused(!ffp_gaussians_from_arrays(NULL, NULL, &err), "arrays");
@@ -202,7 +202,7 @@ static void faint_gaussians_are_not_saved(void **state) {
     FfpGaussians *made = with_opacity(some);
     assert_true(ffp_gaussians_save(NULL, made, path, &err));
     ffp_gaussians_close(made);
-    made = ffp_gaussians_open(NULL, path, &err);
+    made = ffp_gaussians_open(NULL, path, NULL, &err);
     assert_int_equal(ffp_gaussians_count(made), 2);
     ffp_gaussians_close(made);
     made = with_opacity(none);

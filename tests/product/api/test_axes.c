@@ -10,7 +10,7 @@ static FfpGaussians *exported(const char *name, FfpUp up) {
     how.file = in_scratch(name);
     how.up = up;
     if (!ffp_export(NULL, gaussians, capture, &how, NULL, &err)) fail_msg("%s", err.text);
-    FfpGaussians *back = ffp_gaussians_open(NULL, in_scratch(name), &err);
+    FfpGaussians *back = ffp_gaussians_open(NULL, in_scratch(name), NULL, &err);
     if (!back) fail_msg("%s", err.text);
     return back;
 }
@@ -63,7 +63,7 @@ static void what_fits_stays(void **state) {
     expect_same(back);
     ffp_gaussians_close(back);
     assert_true(ffp_gaussians_save(NULL, gaussians, in_scratch("own.ply"), &err));
-    back = ffp_gaussians_open(NULL, in_scratch("own.ply"), &err);
+    back = ffp_gaussians_open(NULL, in_scratch("own.ply"), NULL, &err);
     const real before = back->centre[1];
     back->centre[1] = before + 5;
     assert_true(ffp_gaussians_turn(NULL, back, in_scratch("own.ply"), capture, NULL, &err));

@@ -44,7 +44,7 @@ static bool work(Caller *c) {
     char folder[FFP_PATH_MAX];
     snprintf(folder, sizeof folder, "%s/capture", scratch);
     FfpCapture *capture = ffp_capture_open(context, folder, NULL, &c->err);
-    FfpModel *model = c->weights ? ffp_model_open(context, c->weights, &c->err) : NULL;
+    FfpModel *model = c->weights ? ffp_model_open(context, c->weights, NULL, &c->err) : NULL;
     const FfpReconstruction how = {
         .size = sizeof how, .model = model, .polish = 6, .noise = FFP_NOISE_ESTIMATED};
     const FfpRefinement further = {.size = sizeof further, .steps = 6, .seed = 5};
@@ -154,7 +154,7 @@ static void threads_share_what_they_read(void **state) {
     snprintf(path, sizeof path, "%s/capture", scratch);
     FfpCapture *capture = ffp_capture_open(NULL, path, NULL, &err);
     snprintf(path, sizeof path, "%s/weights", scratch);
-    FfpModel *model = ffp_model_open(NULL, path, &err);
+    FfpModel *model = ffp_model_open(NULL, path, NULL, &err);
     assert_true(capture && model);
     FfpGaussians *gaussians = ffp_reconstruct(
         NULL, capture, &(FfpReconstruction){.size = sizeof(FfpReconstruction), .model = model}, NULL, &err);

@@ -199,7 +199,7 @@ static void options_that_it_does_not_know_have_their_defaults(void **state) {
 
 static int begin(void **state) {
     FfpContextSettings settings = ffp_context_defaults();
-    settings.progress = cancel, settings.interval = 0;
+    settings.progress = cancel, settings.interval_s = 0;
     cancelled = ffp_context_new(&settings, NULL);
     return cancelled ? setup(state) : -1;
 }

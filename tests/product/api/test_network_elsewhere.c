@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 #include "core/base/rng.h"
+#include "engine/loss/perceptual_net.h"
 #include "small.h"
 #include "support.h"
 
@@ -26,7 +27,7 @@ static void test_weights_go_through_a_file(void **state) {
     const float before = last.values[1];
     last.values[1] = 0.37F;
     assert_true(ffp_model_save(NULL, model, in_scratch("changed"), true, &err));
-    FfpModel *back = ffp_model_open(NULL, in_scratch("changed"), &err);
+    FfpModel *back = ffp_model_open(NULL, in_scratch("changed"), NULL, &err);
     assert_non_null(back);
     for (int i = 0; i < n; i++) {
         const FfpWeights a = ffp_model_weights(model, i), b = ffp_model_weights(back, i);
@@ -90,7 +91,14 @@ static void test_what_the_network_sees(void **state) {
 enum { N = 2, W = 13, H = 9, VALUES = N * W * H * 3 };
 
 static double loss_of(const float *pictures, const float *targets, double l1, double ssim, float *gradients) {
-    const FfpPictureLoss given = {N, W, H, pictures, targets, l1, ssim, gradients};
+    const FfpPictureLoss given = {.count = N,
+                                  .width = W,
+                                  .height = H,
+                                  .pictures = pictures,
+                                  .targets = targets,
+                                  .l1 = l1,
+                                  .ssim = ssim,
+                                  .gradients = gradients};
     double loss;
     if (!ffp_picture_loss(NULL, &given, &loss, &err)) fail_msg("%s", err.text);
     return loss;
@@ -122,10 +130,10 @@ static void test_losses_of_pictures(void **state) {
     }
     assert_float_equal((ends[0] - ends[1]) / (2 * (double)step), slope, 0.02 * slope);
     double loss;
-    const FfpPictureLoss none = {0, W, H, pictures, targets, 1, 0, NULL},
-                         wide = {1, 1 << 20, H, pictures, targets, 1, 0, NULL},
-                         odd = {N, W, H, pictures, targets, NAN, 0, NULL},
-                         nothing = {N, W, H, NULL, targets, 1, 0, NULL};
+    const FfpPictureLoss right = {
+        .count = N, .width = W, .height = H, .pictures = pictures, .targets = targets, .l1 = 1};
+    FfpPictureLoss none = right, wide = right, odd = right, nothing = right;
+    none.count = 0, wide.width = 1 << 20, odd.l1 = NAN, nothing.pictures = NULL;
     assert_false(ffp_picture_loss(NULL, &none, &loss, &err));
     assert_false(ffp_picture_loss(NULL, &wide, &loss, &err));
     assert_false(ffp_picture_loss(NULL, &odd, &loss, &err));
@@ -133,10 +141,73 @@ static void test_losses_of_pictures(void **state) {
     assert_false(ffp_picture_loss(NULL, &nothing, &loss, &err));
 }
 
+static FfpPerceptual *random_network(void) {
+    FfpPerceptual *net = ffp_perceptual_new(FFP_PERCEPTUAL_VGG16);
+    FfpRng rng = ffp_rng(6, 1);
+    for (int i = 0; i < net->layer_count; i++) {
+        const FfpLayer *layer = &net->layers[i];
+        const int fan = layer->in * layer->kernel * layer->kernel;
+        for (int k = 0; !layer->is_pool && k < fan * layer->out; k++)
+            layer->weight[k] = ffp_rng_range(&rng, -2, 2) / (real)fan;
+    }
+    return net;
+}
+
+static void test_the_perceptual_term(void **state) {
+    (void)state;
+    static float pictures[VALUES], targets[VALUES], gradients[VALUES], moved[VALUES];
+    FfpRng rng = ffp_rng(7, 1);
+    FfpPerceptual *net = random_network();
+    FfpPictureLoss how = {.count = N,
+                          .width = W,
+                          .height = H,
+                          .pictures = pictures,
+                          .targets = targets,
+                          .gradients = gradients,
+                          .perceptual = 3,
+                          .network = net};
+    double loss, alone = 0, slope = 0, ends[2];
+    for (int i = 0; i < VALUES; i++) {
+        pictures[i] = (float)ffp_rng_uniform(&rng);
+        targets[i] = (float)ffp_rng_uniform(&rng);
+    }
+    for (int i = 0; i < N; i++) {
+        const FfpImage a = {W, H, 3, pictures + i * VALUES / N}, b = {W, H, 3, targets + i * VALUES / N};
+        alone += (double)ffp_perceptual_loss(net, &a, &b, 1, NULL) / N;
+    }
+    if (!ffp_picture_loss(NULL, &how, &loss, &err)) fail_msg("%s", err.text);
+    assert_true(alone > 0);
+    assert_float_equal(loss, 3 * alone, 1e-5 * alone);
+    for (int i = 0; i < VALUES; i++) slope += fabs((double)gradients[i]);
+    how.pictures = moved, how.gradients = NULL;
+    for (int s = 0; s < 2; s++) {
+        for (int i = 0; i < VALUES; i++)
+            moved[i] = pictures[i] + (s ? -1e-3F : 1e-3F) * copysignf(1, gradients[i]);
+        assert_true(ffp_picture_loss(NULL, &how, &ends[s], &err));
+    }
+    assert_float_equal((ends[0] - ends[1]) / 2e-3, slope, 0.03 * slope);
+    how.network = NULL;
+    assert_false(ffp_picture_loss(NULL, &how, &loss, &err));
+    assert_non_null(strstr(err.text, "pictures.network"));
+    how.network = net, how.perceptual = -1;
+    assert_false(ffp_picture_loss(NULL, &how, &loss, &err));
+    assert_non_null(strstr(err.text, "pictures.perceptual"));
+    how.perceptual = 1, how.height = 1;
+    assert_false(ffp_picture_loss(NULL, &how, &loss, &err));
+    assert_non_null(strstr(err.text, "2 x 2"));
+    ffp_perceptual_close(net);
+    assert_null(ffp_perceptual_open(NULL, in_scratch("weights"), NULL, &err)); // those of the network
+    assert_null(ffp_perceptual_open(NULL, "mine", &(FfpBytes){"{}", 2}, &err));
+    assert_non_null(strstr(err.text, "mine"));
+    assert_null(ffp_perceptual_open(NULL, NULL, NULL, &err));
+    assert_int_equal(err.code, FFP_ERROR_ARGUMENT);
+    ffp_perceptual_close(NULL);
+}
+
 static int setup(void **state) {
     if (small_setup(state) != 0) return -1;
     capture = ffp_capture_open(NULL, in_scratch("capture"), NULL, &err);
-    model = ffp_model_open(NULL, in_scratch("weights"), &err);
+    model = ffp_model_open(NULL, in_scratch("weights"), NULL, &err);
     if (!capture || !model) fprintf(stderr, "%s\n", err.text);
     return capture && model ? 0 : -1;
 }
@@ -152,6 +223,7 @@ int main(void) {
         cmocka_unit_test(test_weights_go_through_a_file),
         cmocka_unit_test(test_what_the_network_sees),
         cmocka_unit_test(test_losses_of_pictures),
+        cmocka_unit_test(test_the_perceptual_term),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

@@ -75,7 +75,7 @@ static void it_goes_on_from_a_checkpoint(void **state) {
     snprintf(path, sizeof path, "%s", in_scratch("checkpoint"));
     FfpRefinement how = {.size = sizeof how, .steps = 24, .seed = 1};
     FfpRefinementStats stats = {0};
-    settings.progress = stop_later, settings.interval = 1e-6; // asked at every step
+    settings.progress = stop_later, settings.interval_s = 1e-6; // asked at every step
     FfpContext *context = ffp_context_new(&settings, &err);
     FfpNeuralField *whole = fit(NULL, 24, NULL);
     FfpNeuralField *part = ffp_fit_neural_field(context, capture, &how, path, &stats, &err);
@@ -125,7 +125,7 @@ static void the_loss_is_of_steps_done(void **state) {
     FfpRefinement how = {.size = sizeof how, .steps = 100, .seed = 1, .metrics = whole};
     FfpRefinementStats stats = {0};
     ffp_neural_field_close(ffp_fit_neural_field(NULL, capture, &how, NULL, &stats, &err));
-    settings.progress = stop_after, settings.interval = 1e-6, left = 90;
+    settings.progress = stop_after, settings.interval_s = 1e-6, left = 90;
     FfpContext *context = ffp_context_new(&settings, &err);
     how.metrics = NULL;
     ffp_neural_field_close(ffp_fit_neural_field(context, capture, &how, checkpoint, &stats, &err));

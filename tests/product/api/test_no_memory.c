@@ -23,7 +23,7 @@ static FfpContext *context_new(Caller *caller, int threads) {
     FfpContextSettings settings = ffp_context_defaults();
     settings.user = caller;
     settings.progress = on_progress;
-    settings.interval = 0;
+    settings.interval_s = 0;
     settings.threads = threads;
     FfpContext *context = ffp_context_new(&settings, &err);
     if (!context) fail_msg("%s", err.text);
@@ -36,7 +36,7 @@ typedef bool Work(FfpContext *context, const char *out, FfpError *err);
 
 static bool reconstruct(FfpContext *context, const char *weights, const char *out, FfpError *err) {
     FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), NULL, err);
-    FfpModel *model = capture && weights ? ffp_model_open(context, weights, err) : NULL;
+    FfpModel *model = capture && weights ? ffp_model_open(context, weights, NULL, err) : NULL;
     const FfpReconstruction how = {
         .size = sizeof how, .model = model, .polish = POLISH, .noise = FFP_NOISE_ESTIMATED};
     FfpGaussians *gaussians =
@@ -58,7 +58,7 @@ static bool by_network(FfpContext *context, const char *out, FfpError *err) {
 
 static bool prepare(FfpContext *context, const char *out, FfpError *err) {
     FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), NULL, err);
-    FfpModel *model = capture ? ffp_model_open(context, in_scratch("weights"), err) : NULL;
+    FfpModel *model = capture ? ffp_model_open(context, in_scratch("weights"), NULL, err) : NULL;
     const FfpReconstruction how = {.size = sizeof how, .model = model};
     FfpPrepared *prepared = model ? ffp_prepare(context, capture, &how, err) : NULL;
     const FfpPreparedArrays a = prepared ? ffp_prepared_arrays(prepared) : (FfpPreparedArrays){0};
@@ -71,7 +71,25 @@ static bool prepare(FfpContext *context, const char *out, FfpError *err) {
 }
 
 static FfpGaussians *given(FfpContext *context, FfpError *err) {
-    return ffp_gaussians_open(context, in_scratch("given.ply"), err);
+    return ffp_gaussians_open(context, in_scratch("given.ply"), NULL, err);
+}
+
+static bool keep_in_memory(FfpContext *context, const char *out, FfpError *err) {
+    FfpGaussians *gaussians = given(context, err), *again = NULL;
+    FfpModel *model = gaussians ? ffp_model_open(context, in_scratch("weights"), NULL, err) : NULL;
+    FfpBytes splats = {0}, weights = {0};
+    splats.data = model ? ffp_gaussians_bytes(context, gaussians, &splats.size, err) : NULL;
+    weights.data = splats.data ? ffp_model_bytes(context, model, false, &weights.size, err) : NULL;
+    ffp_model_close(model);
+    model = weights.data ? ffp_model_open(context, NULL, &weights, err) : NULL;
+    again = model ? ffp_gaussians_open(context, NULL, &splats, err) : NULL;
+    const bool ok = again && ffp_gaussians_save(context, again, out, err);
+    ffp_free((void *)splats.data);
+    ffp_free((void *)weights.data);
+    ffp_model_close(model);
+    ffp_gaussians_close(gaussians);
+    ffp_gaussians_close(again);
+    return ok;
 }
 
 static bool refine(FfpContext *context, const char *out, FfpError *err) {
@@ -403,11 +421,12 @@ static void no_memory_elsewhere(void **state) {
     static const struct {
         Work *work;
         int stride;
-    } works[] = {{prepare, 11},      {refine, 3},      {render, 3},     {draw, 1},
-                 {differentiate, 1}, {compensate, 3},  {map, 3},        {page, 1},
-                 {evaluate, 7},      {export_ply, 1},  {export_spz, 1}, {export_gltf, 1},
-                 {export_obj, 3},    {export_mesh, 3}, {inform, 1},     {inform_as_a_page, 3},
-                 {copy_capture, 3},  {align, 199},     {generate, 13},  {train, 29}};
+    } works[] = {
+        {prepare, 11},      {refine, 3},           {render, 3},       {draw, 1},       {keep_in_memory, 1},
+        {differentiate, 1}, {compensate, 3},       {map, 3},          {page, 1},       {evaluate, 7},
+        {export_ply, 1},    {export_spz, 1},       {export_gltf, 1},  {export_obj, 3}, {export_mesh, 3},
+        {inform, 1},        {inform_as_a_page, 3}, {copy_capture, 3}, {align, 199},    {generate, 13},
+        {train, 29}};
     for (size_t i = 0; i < sizeof works / sizeof *works; i++)
         without_memory(works[i].work, 2, works[i].stride);
     ffp_renderer_close(renderer);
