@@ -48,7 +48,7 @@ def test_files_may_be_bytes(gaussians: ffp.Gaussians, tmp_path: Path) -> None:
     contents = gaussians.to_bytes()
     assert contents == path.read_bytes()
     again = ffp.Gaussians.from_bytes(contents)
-    assert again.to_bytes() == contents and len(again) == len(ffp.Gaussians.load(path))
+    assert len(again) > 1000 and again.to_bytes() == ffp.Gaussians.load(path).to_bytes()
     with pytest.raises(ffp.FileFormatError, match="mine"):
         ffp.Gaussians.from_bytes(contents[:-1], "mine")
     model = ffp.Model.open()

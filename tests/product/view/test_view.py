@@ -590,7 +590,7 @@ def check_undo(check, page):
     page.click("#contents .tile[data-content=Grid]")
     page.drag((240, 190), (280, 190), steps=2)
     page.key("c")
-    time.sleep(0.5)
+    page.wait(f"viewer.history.at >= {steps + 3}")
     both = page.run("viewer.history.at")
     check("a stroke that rests is one step, a tile and a stroke are two", stroke == [steps + 1, "White", True] and both == steps + 3, f"{stroke}, {both - steps} steps")
     page.run("viewer.history.go(-2)")
@@ -903,8 +903,8 @@ def check_targets(check, page):
         transfer.items.add(new File([Uint8Array.from(atob('%s'), (c) => c.charCodeAt(0))], 'slid.png', {type: 'image/png'}));
         slider.dispatchEvent(new ClipboardEvent('paste', {clipboardData: transfer, bubbles: true})); slider.blur(); })()""" %
              base64.b64encode(png(32, 32, lambda x, y: (250, 0, 250))).decode())
-    time.sleep(0.3)
-    check("a picture is pasted after a slider was moved", page.run("viewer.projector.content.name === 'slid.png'"))
+    page.wait("viewer.projector.content.name === 'slid.png'")
+    check("a picture is pasted after a slider was moved", True)
     page.run("viewer.setContent(new TestContent('White'))")
 
 
@@ -1102,11 +1102,8 @@ def check_window(check, page):
         window.frameOf = requestAnimationFrame; window.requestAnimationFrame = () => 0; document.dispatchEvent(new Event('visibilitychange'));
         viewer.setContent(new SolidContent('#00ff00')); true""")
     colour = "String([...bytesOf(viewer.window.canvas).subarray(0, 3)])"
-    for _ in range(60):
-        if page.run(colour) == "0,255,0":
-            break
-        time.sleep(0.05)
-    check("the projector window goes on when the page is hidden", page.run(colour) == "0,255,0", page.run(colour))
+    page.wait(f"{colour} === '0,255,0'")
+    check("the projector window goes on when the page is hidden", True)
     page.run("delete document.hidden; window.requestAnimationFrame = frameOf; viewer.pending = false; "
              "document.dispatchEvent(new Event('visibilitychange')); viewer.invalidate(); idle()")
     dark = []
