@@ -6,7 +6,7 @@
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     unsigned char inks[4] = {10, 200, 30, 40};
     FfpImage rgba = ffp_image_new(2, 1, 4), one = ffp_image_new(1, 1, 4);
-    FfpColourProfile profile = ffp_profile_find(&(FfpBytes){data, size, "fuzz"});
+    FfpColourProfile profile = ffp_profile_find(&(FfpEncoded){data, size, "fuzz"});
     ffp_profile_apply(&profile, &rgba, "fuzz");
     ffp_profile_inks(&profile, inks, true, &one, "fuzz");
     ffp_free(profile.icc);

@@ -3,7 +3,7 @@
 #include "fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    const FfpBytes file = {data, size, "fuzz.tiff"};
+    const FfpEncoded file = {data, size, "fuzz.tiff"};
     FfpError err = {0};
     int width = 0, height = 0;
     if (!ffp_tiff_is(&file)) return 0;

@@ -27,21 +27,21 @@ typedef struct FfpDecoded {
 } FfpDecoded;
 
 // A file in memory; `path` is for error messages.
-typedef struct FfpBytes {
+typedef struct FfpEncoded {
     const unsigned char *data;
     size_t size;
     const char *path;
-} FfpBytes;
+} FfpEncoded;
 
-bool ffp_png_is(const FfpBytes *file);
-bool ffp_png_size(const FfpBytes *file, int *width, int *height, FfpError *err);
-bool ffp_png_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err);
-bool ffp_png_decode_raw(const FfpBytes *file, FfpDecoded *out,
+bool ffp_png_is(const FfpEncoded *file);
+bool ffp_png_size(const FfpEncoded *file, int *width, int *height, FfpError *err);
+bool ffp_png_decode(const FfpEncoded *file, FfpDecoded *out, FfpError *err);
+bool ffp_png_decode_raw(const FfpEncoded *file, FfpDecoded *out,
                         FfpError *err); // 1 channel of integers; grey files only
 
-bool ffp_jpeg_is(const FfpBytes *file);
-bool ffp_jpeg_size(const FfpBytes *file, int *width, int *height, FfpError *err);
-bool ffp_jpeg_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err);
+bool ffp_jpeg_is(const FfpEncoded *file);
+bool ffp_jpeg_size(const FfpEncoded *file, int *width, int *height, FfpError *err);
+bool ffp_jpeg_decode(const FfpEncoded *file, FfpDecoded *out, FfpError *err);
 // The light of a picture of 1 / shrink its size: means over shrink x shrink pixels. out->image: RGB, linear.
 // It stays empty where the picture is one of inks.
 typedef struct FfpReduction {
@@ -49,31 +49,31 @@ typedef struct FfpReduction {
     bool rough;        // means may be those of encoded values, which takes less time
     const real *light; // [256] of a value
 } FfpReduction;
-bool ffp_jpeg_decode_reduced(const FfpBytes *file, const FfpReduction *reduction, FfpDecoded *out,
+bool ffp_jpeg_decode_reduced(const FfpEncoded *file, const FfpReduction *reduction, FfpDecoded *out,
                              FfpError *err);
 
-bool ffp_tiff_is(const FfpBytes *file);
-bool ffp_tiff_size(const FfpBytes *file, int *width, int *height, FfpError *err);
-bool ffp_tiff_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err);
-bool ffp_tiff_decode_raw(const FfpBytes *file, FfpDecoded *out,
+bool ffp_tiff_is(const FfpEncoded *file);
+bool ffp_tiff_size(const FfpEncoded *file, int *width, int *height, FfpError *err);
+bool ffp_tiff_decode(const FfpEncoded *file, FfpDecoded *out, FfpError *err);
+bool ffp_tiff_decode_raw(const FfpEncoded *file, FfpDecoded *out,
                          FfpError *err); // 1 channel of integers or floats; grey files only
 
-bool ffp_exr_is(const FfpBytes *file);
-bool ffp_exr_size(const FfpBytes *file, int *width, int *height, FfpError *err);
-bool ffp_exr_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err);
-bool ffp_exr_decode_raw(const FfpBytes *file, FfpDecoded *out,
+bool ffp_exr_is(const FfpEncoded *file);
+bool ffp_exr_size(const FfpEncoded *file, int *width, int *height, FfpError *err);
+bool ffp_exr_decode(const FfpEncoded *file, FfpDecoded *out, FfpError *err);
+bool ffp_exr_decode_raw(const FfpEncoded *file, FfpDecoded *out,
                         FfpError *err); // Z, otherwise Y, in whichever layer, otherwise the first channel
 
 // Fails with the name of a format that this program does not read, and what to do about it; always false.
-bool ffp_refuse_foreign(const FfpBytes *file, FfpError *err);
-bool ffp_is_foreign(const FfpBytes *file); // a known one, by its first bytes
+bool ffp_refuse_foreign(const FfpEncoded *file, FfpError *err);
+bool ffp_is_foreign(const FfpEncoded *file); // a known one, by its first bytes
 typedef enum FfpForeign {
     FFP_FOREIGN_OTHER, // or not foreign at all
     FFP_FOREIGN_RAW,   // a camera's own format
     FFP_FOREIGN_FILM
 } FfpForeign;
-FfpForeign ffp_foreign_kind(const FfpBytes *head); // 32 bytes are enough
-bool ffp_tiff_is_raw(const FfpBytes *file);        // DNG, NEF, ARW and the like, which are TIFF files
+FfpForeign ffp_foreign_kind(const FfpEncoded *head); // 32 bytes are enough
+bool ffp_tiff_is_raw(const FfpEncoded *file);        // DNG, NEF, ARW and the like, which are TIFF files
 
 // The orientation tag (1 to 8) of EXIF data, which begin with a TIFF header; 1 where there is none.
 int ffp_exif_orientation(const unsigned char *bytes, size_t size);

@@ -10,7 +10,7 @@
 #include "core/base/log.h"
 #include "core/image/codec.h"
 
-bool ffp_exr_is(const FfpBytes *file) {
+bool ffp_exr_is(const FfpEncoded *file) {
     return file->size >= 4 && memcmp(file->data, "\x76\x2f\x31\x01", 4) == 0;
 }
 
@@ -20,7 +20,7 @@ static int64_t give_bytes(exr_const_context_t exr, void *user, void *to, uint64_
                           exr_stream_error_func_ptr_t on_stream_error) {
     (void)exr;
     (void)on_stream_error;
-    const FfpBytes *file = user;
+    const FfpEncoded *file = user;
     if (offset >= file->size) return 0;
     const uint64_t left = file->size - offset, given = count < left ? count : left;
     memcpy(to, file->data + offset, given);
@@ -29,7 +29,7 @@ static int64_t give_bytes(exr_const_context_t exr, void *user, void *to, uint64_
 
 static int64_t give_size(exr_const_context_t exr, void *user) {
     (void)exr;
-    return (int64_t)((const FfpBytes *)user)->size;
+    return (int64_t)((const FfpEncoded *)user)->size;
 }
 
 // The library calls this from many places; the first words are the ones nearest to the cause, and results
@@ -55,7 +55,7 @@ typedef struct Reading {
     bool guessed;                     // the first of several layers
 } Reading;
 
-static bool broken(const FfpBytes *file, exr_result_t code, FfpError *err) {
+static bool broken(const FfpEncoded *file, exr_result_t code, FfpError *err) {
     return ffp_fail(err, FFP_ERROR_FILE, file->path, "broken EXR: %s", exr_get_default_error_message(code));
 }
 
@@ -175,7 +175,7 @@ static exr_result_t look_at_part(Reading *r, int part, bool *readable) {
 }
 
 // The first part in which `choose` finds its channels; *found tells whether there is one.
-static bool find_part(Reading *r, const FfpBytes *file, Choose *choose, bool *found, FfpError *err) {
+static bool find_part(Reading *r, const FfpEncoded *file, Choose *choose, bool *found, FfpError *err) {
     int parts = 0;
     exr_result_t code = exr_get_count(r->exr, &parts);
     *found = false;
@@ -187,7 +187,7 @@ static bool find_part(Reading *r, const FfpBytes *file, Choose *choose, bool *fo
     return code == EXR_ERR_SUCCESS || broken(file, code, err);
 }
 
-static bool measure_part(Reading *r, const FfpBytes *file, FfpError *err) {
+static bool measure_part(Reading *r, const FfpEncoded *file, FfpError *err) {
     exr_attr_box2i_t window = {0};
     exr_result_t code = exr_get_data_window(r->exr, r->part, &window);
     if (code != EXR_ERR_SUCCESS) return broken(file, code, err);
@@ -215,7 +215,7 @@ static void close_exr(Reading *r) {
 }
 
 // Takes the first of the n choices that some part meets. r->exr is to be finished whatever comes of it.
-static bool open_exr(Reading *r, const FfpBytes *file, Choose *const *choices, int n, FfpError *err) {
+static bool open_exr(Reading *r, const FfpEncoded *file, Choose *const *choices, int n, FfpError *err) {
     *r = (Reading){0};
     exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
     settings.error_handler_fn = keep_quiet;
@@ -249,7 +249,7 @@ static exr_result_t find_chunk(const Reading *r, int column, int row, exr_chunk_
 }
 
 // All chunks must be within the file and the picture: known before memory is taken for it.
-static bool check_chunks(const Reading *r, const FfpBytes *file, FfpError *err) {
+static bool check_chunks(const Reading *r, const FfpEncoded *file, FfpError *err) {
     for (int row = 0; row * r->chunk_height < r->height; row++) {
         for (int column = 0; column * r->chunk_width < r->width; column++) {
             exr_chunk_info_t chunk;
@@ -310,7 +310,7 @@ static exr_result_t decode_chunks(const Reading *r, float *const *planes) {
 }
 
 // Decodes the wanted channels into `out`, interleaved.
-static bool decode_channels(const Reading *r, const FfpBytes *file, FfpImage *out, FfpError *err) {
+static bool decode_channels(const Reading *r, const FfpEncoded *file, FfpImage *out, FfpError *err) {
     const int n = r->n_wanted;
     for (int k = 0; k < n; k++) {
         const exr_attr_chlist_entry_t *channel = &r->channels->entries[r->wanted[k]];
@@ -351,12 +351,12 @@ static FfpImage to_rgba(const FfpImage *image, bool has_alpha) {
     return out;
 }
 
-static void say_layer(const Reading *r, const FfpBytes *file) {
+static void say_layer(const Reading *r, const FfpEncoded *file) {
     const char *name = name_of(r, r->wanted[0]);
     if (r->guessed) ffp_note("%s: several layers; using %.*s", file->path, (int)layer_length(name) - 1, name);
 }
 
-bool ffp_exr_size(const FfpBytes *file, int *width, int *height, FfpError *err) {
+bool ffp_exr_size(const FfpEncoded *file, int *width, int *height, FfpError *err) {
     Choose *const choices[3] = {choose_colours, choose_depth, choose_first};
     Reading r;
     const bool ok = open_exr(&r, file, choices, 3, err);
@@ -366,7 +366,7 @@ bool ffp_exr_size(const FfpBytes *file, int *width, int *height, FfpError *err) 
     return ok;
 }
 
-bool ffp_exr_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
+bool ffp_exr_decode(const FfpEncoded *file, FfpDecoded *out, FfpError *err) {
     Choose *const choices[1] = {choose_colours};
     Reading r;
     FfpImage image = {0};
@@ -382,7 +382,7 @@ bool ffp_exr_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
     return ok;
 }
 
-bool ffp_exr_decode_raw(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
+bool ffp_exr_decode_raw(const FfpEncoded *file, FfpDecoded *out, FfpError *err) {
     Choose *const choices[2] = {choose_depth, choose_first};
     Reading r;
     const bool ok = open_exr(&r, file, choices, 2, err) && decode_channels(&r, file, &out->image, err);

@@ -66,7 +66,7 @@ static const Foreign table[] = {
      FFP_FOREIGN_OTHER},
 };
 
-static const Foreign *find(const FfpBytes *file) {
+static const Foreign *find(const FfpEncoded *file) {
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         const Foreign *kind = &table[i];
         size_t same = 0;
@@ -78,16 +78,16 @@ static const Foreign *find(const FfpBytes *file) {
     return NULL;
 }
 
-bool ffp_is_foreign(const FfpBytes *file) {
+bool ffp_is_foreign(const FfpEncoded *file) {
     return find(file) != NULL;
 }
 
-FfpForeign ffp_foreign_kind(const FfpBytes *head) {
+FfpForeign ffp_foreign_kind(const FfpEncoded *head) {
     const Foreign *kind = find(head);
     return kind ? kind->kind : FFP_FOREIGN_OTHER;
 }
 
-bool ffp_refuse_foreign(const FfpBytes *file, FfpError *err) {
+bool ffp_refuse_foreign(const FfpEncoded *file, FfpError *err) {
     const Foreign *kind = find(file);
     if (!kind) return ffp_fail(err, FFP_ERROR_FILE, file->path, "is not a PNG, JPEG, TIFF or EXR image");
     return ffp_fail(err, FFP_ERROR_UNSUPPORTED, file->path, "is %s, which is not supported: %s", kind->name,

@@ -35,7 +35,7 @@ static void on_message(j_common_ptr jpeg, int level) {
     if (level == -1 && jpeg->err->msg_code == JWRN_JPEG_EOF) on_error(jpeg);
 }
 
-bool ffp_jpeg_is(const FfpBytes *file) {
+bool ffp_jpeg_is(const FfpEncoded *file) {
     return file->size >= 3 && file->data[0] == 0xff && file->data[1] == 0xd8 && file->data[2] == 0xff;
 }
 
@@ -96,7 +96,7 @@ static bool read_reduced(Reading *r) {
     return true;
 }
 
-static bool read_jpeg(Reading *r, const FfpBytes *file, bool with_pixels) {
+static bool read_jpeg(Reading *r, const FfpEncoded *file, bool with_pixels) {
     r->jpeg.err = jpeg_std_error(&r->errors);
     r->errors.error_exit = on_error;
     r->errors.emit_message = on_message;
@@ -128,12 +128,12 @@ static bool read_jpeg(Reading *r, const FfpBytes *file, bool with_pixels) {
     return true;
 }
 
-static bool broken(const Reading *r, const FfpBytes *file, FfpError *err) {
+static bool broken(const Reading *r, const FfpEncoded *file, FfpError *err) {
     if (r->no_memory) return ffp_fail(err, FFP_ERROR_MEMORY, file->path, "out of memory");
     return ffp_fail(err, FFP_ERROR_FILE, file->path, "broken JPEG: %s", r->message);
 }
 
-bool ffp_jpeg_size(const FfpBytes *file, int *width, int *height, FfpError *err) {
+bool ffp_jpeg_size(const FfpEncoded *file, int *width, int *height, FfpError *err) {
     Reading r = {0};
     const bool ok = read_jpeg(&r, file, false);
     const long long w = r.jpeg.image_width, h = r.jpeg.image_height;
@@ -159,7 +159,7 @@ static void take_pixel(const Reading *r, const unsigned char *from, real *to) {
     to[3] = 1;
 }
 
-bool ffp_jpeg_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
+bool ffp_jpeg_decode(const FfpEncoded *file, FfpDecoded *out, FfpError *err) {
     int width = 0, height = 0;
     if (!ffp_jpeg_size(file, &width, &height, err)) return false; // before memory is taken for the pixels
     Reading r = {0};
@@ -185,7 +185,7 @@ bool ffp_jpeg_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
     return true;
 }
 
-bool ffp_jpeg_decode_reduced(const FfpBytes *file, const FfpReduction *reduction, FfpDecoded *out,
+bool ffp_jpeg_decode_reduced(const FfpEncoded *file, const FfpReduction *reduction, FfpDecoded *out,
                              FfpError *err) {
     int width = 0, height = 0;
     if (!ffp_jpeg_size(file, &width, &height, err)) return false;

@@ -82,7 +82,7 @@ static bool is_tiff_raw(const char *file) {
     size_t size;
     if (!ffp_read_file(file, RAW_BYTES_MAX, &data, &size, NULL)) return false;
     const bool raw =
-        ffp_tiff_is_raw(&(FfpBytes){.data = (const unsigned char *)data, .size = size, .path = file});
+        ffp_tiff_is_raw(&(FfpEncoded){.data = (const unsigned char *)data, .size = size, .path = file});
     ffp_free(data);
     return raw;
 }
@@ -108,7 +108,7 @@ static bool is_animated_png(const char *file) {
 
 // A file named like a raw photograph or a film must be one, or a picture, which is then read as such; any
 // other content is an error that names the file.
-static bool check_name(const char *file, const FfpBytes *head, FfpError *err) {
+static bool check_name(const char *file, const FfpEncoded *head, FfpError *err) {
     const bool raw = has_one_of(file, raw_endings);
     if ((!raw && !has_one_of(file, film_endings)) || ffp_is_foreign(head) || ffp_png_is(head) ||
         ffp_jpeg_is(head) || ffp_tiff_is(head) || ffp_exr_is(head))
@@ -122,7 +122,7 @@ static bool open_source(Source *source, const char *path, FfpError *err) {
     if (!find_file(source, path, err)) return false;
     FILE *stream = ffp_open_to_read(source->file, err);
     if (!stream) return false;
-    const FfpBytes head = {.data = bytes, .size = fread(bytes, 1, sizeof bytes, stream), .path = path};
+    const FfpEncoded head = {.data = bytes, .size = fread(bytes, 1, sizeof bytes, stream), .path = path};
     fclose(stream);
     source->kind = ffp_foreign_kind(&head);
     if (ffp_png_is(&head) && is_animated_png(source->file)) source->kind = FFP_FOREIGN_FILM;

@@ -12,7 +12,7 @@
 
 #define DEFLATE_RATIO_MAX 1040 // deflate cannot shrink further than 1032 : 1
 
-bool ffp_png_is(const FfpBytes *file) {
+bool ffp_png_is(const FfpEncoded *file) {
     return file->size >= 8 && png_sig_cmp(file->data, 0, 8) == 0;
 }
 
@@ -21,7 +21,7 @@ static unsigned long long big_endian32(const unsigned char *p) {
            p[3];
 }
 
-bool ffp_png_size(const FfpBytes *file, int *width, int *height, FfpError *err) {
+bool ffp_png_size(const FfpEncoded *file, int *width, int *height, FfpError *err) {
     if (file->size < 33 || memcmp(file->data + 12, "IHDR", 4) != 0)
         return ffp_fail(err, FFP_ERROR_FILE, file->path, "truncated PNG");
     const long long w = (long long)big_endian32(file->data + 16),
@@ -46,7 +46,7 @@ static void give_memory(png_structp png, void *memory) {
 }
 
 typedef struct Reading {
-    FfpBytes file;
+    FfpEncoded file;
     size_t position;
     bool truncated; // it was the end of the file that stopped libpng,
     bool no_memory; // or that of the memory
@@ -158,7 +158,7 @@ static bool read_pixels(Reading *r) {
     return true;
 }
 
-static bool read_png(Reading *r, const FfpBytes *file, bool raw, FfpError *err) {
+static bool read_png(Reading *r, const FfpEncoded *file, bool raw, FfpError *err) {
     *r = (Reading){.file = *file, .raw = raw};
     if (!ffp_png_size(file, &r->width, &r->height, err)) return false;
     const bool ok = read_pixels(r);
@@ -173,7 +173,7 @@ static bool read_png(Reading *r, const FfpBytes *file, bool raw, FfpError *err) 
     return ok;
 }
 
-bool ffp_png_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
+bool ffp_png_decode(const FfpEncoded *file, FfpDecoded *out, FfpError *err) {
     Reading r;
     if (!read_png(&r, file, false, err)) return false;
     out->image = (FfpImage){r.width, r.height, 4, r.values};
@@ -181,7 +181,7 @@ bool ffp_png_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
     return true;
 }
 
-bool ffp_png_decode_raw(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
+bool ffp_png_decode_raw(const FfpEncoded *file, FfpDecoded *out, FfpError *err) {
     Reading r;
     if (!read_png(&r, file, true, err)) return false;
     if (!r.values) return ffp_fail(err, FFP_ERROR_FILE, file->path, "is not a grey image");

@@ -9,7 +9,7 @@
 
 // That of a PNG or JPEG in memory; of others, of those without and of PNGs tagged as sRGB it is
 // FFP_PROFILE_NONE. Bytes are released with ffp_free. A profile that cannot be parsed counts as none.
-FfpColourProfile ffp_profile_find(const FfpBytes *file);
+FfpColourProfile ffp_profile_find(const FfpEncoded *file);
 // A copy of ICC bytes of another origin.
 FfpColourProfile ffp_profile_of_icc(const void *bytes, size_t size);
 // True if colours stay as they are, within a level of 8 bits.

@@ -64,7 +64,7 @@ static FfpColourProfile of_gamma(const unsigned char *gamma, const unsigned char
 }
 
 // By the order of the specification (PNG third edition, 4.3): cICP, iCCP, sRGB, cHRM and gAMA.
-static FfpColourProfile find_in_png(const FfpBytes *file) {
+static FfpColourProfile find_in_png(const FfpEncoded *file) {
     static const struct {
         const char *name;
         uint32_t least;
@@ -89,7 +89,7 @@ static FfpColourProfile find_in_png(const FfpBytes *file) {
 }
 
 // APP2 "ICC_PROFILE": its number of how many, from 1, and a part of the profile.
-static FfpColourProfile find_in_jpeg(const FfpBytes *file) {
+static FfpColourProfile find_in_jpeg(const FfpEncoded *file) {
     static const char mark[12] = "ICC_PROFILE";
     unsigned char *bytes = NULL;
     size_t size = 0;
@@ -117,7 +117,7 @@ static FfpColourProfile find_in_jpeg(const FfpBytes *file) {
     return profile;
 }
 
-FfpColourProfile ffp_profile_find(const FfpBytes *file) {
+FfpColourProfile ffp_profile_find(const FfpEncoded *file) {
     if (file->size > 8 && memcmp(file->data, "\x89PNG", 4) == 0) return find_in_png(file);
     if (file->size > 3 && memcmp(file->data, "\xff\xd8\xff", 3) == 0) return find_in_jpeg(file);
     return (FfpColourProfile){0};

@@ -9,9 +9,9 @@
 
 #define FILE_BYTES_MAX ((size_t)1 << 30)
 
-static bool read_bytes(FfpBytes *file, const char *path, FfpError *err) {
+static bool read_bytes(FfpEncoded *file, const char *path, FfpError *err) {
     char *data = NULL;
-    *file = (FfpBytes){.path = path};
+    *file = (FfpEncoded){.path = path};
     if (!ffp_read_file(path, FILE_BYTES_MAX, &data, &file->size, err)) return false;
     file->data = (const unsigned char *)data;
     if (file->size > 0) return true;
@@ -20,15 +20,15 @@ static bool read_bytes(FfpBytes *file, const char *path, FfpError *err) {
     return false;
 }
 
-static void free_bytes(FfpBytes *file) {
+static void free_bytes(FfpEncoded *file) {
     ffp_free((void *)file->data);
 }
 
 typedef struct Codec {
-    bool (*is)(const FfpBytes *file);
-    bool (*size)(const FfpBytes *file, int *width, int *height, FfpError *err);
-    bool (*decode)(const FfpBytes *file, FfpDecoded *out, FfpError *err);
-    bool (*decode_raw)(const FfpBytes *file, FfpDecoded *out, FfpError *err); // NULL: holds no raw numbers
+    bool (*is)(const FfpEncoded *file);
+    bool (*size)(const FfpEncoded *file, int *width, int *height, FfpError *err);
+    bool (*decode)(const FfpEncoded *file, FfpDecoded *out, FfpError *err);
+    bool (*decode_raw)(const FfpEncoded *file, FfpDecoded *out, FfpError *err); // NULL: holds no raw numbers
 } Codec;
 
 static const Codec codecs[] = {
@@ -39,7 +39,7 @@ static const Codec codecs[] = {
 };
 
 // NULL with an error. Some raw photographs look like TIFF files.
-static const Codec *codec_of(const FfpBytes *file, FfpError *err) {
+static const Codec *codec_of(const FfpEncoded *file, FfpError *err) {
     for (size_t i = 0; i < sizeof codecs / sizeof *codecs && !ffp_is_foreign(file); i++) {
         if (codecs[i].is(file)) return &codecs[i];
     }
@@ -47,7 +47,7 @@ static const Codec *codec_of(const FfpBytes *file, FfpError *err) {
     return NULL;
 }
 
-static bool has_size(const Codec *codec, const FfpBytes *file, const FfpSize *size, FfpError *err) {
+static bool has_size(const Codec *codec, const FfpEncoded *file, const FfpSize *size, FfpError *err) {
     int width = 0, height = 0;
     return codec->size(file, &width, &height, err) && ffp_size_check(size, width, height, file->path, err);
 }
@@ -64,7 +64,7 @@ typedef enum Wanted {
     COLOURS  // in sRGB, if they are not linear
 } Wanted;
 
-static void take_profile(FfpDecoded *out, const FfpBytes *file) {
+static void take_profile(FfpDecoded *out, const FfpEncoded *file) {
     if (out->profile.kind == FFP_PROFILE_NONE) out->profile = ffp_profile_find(file);
     if (!out->linear && !out->inks) ffp_profile_apply(&out->profile, &out->image, file->path);
 }
@@ -73,7 +73,7 @@ static void take_profile(FfpDecoded *out, const FfpBytes *file) {
 static bool decode(FfpDecoded *out, const char *path, Wanted wanted, const FfpSize *size, FfpError *err) {
     const bool raw = wanted == NUMBERS;
     *out = (FfpDecoded){0};
-    FfpBytes file;
+    FfpEncoded file;
     if (!read_bytes(&file, path, err)) return false;
     const Codec *codec = codec_of(&file, err);
     bool ok = codec && (!size || has_size(codec, &file, size, err));
@@ -99,7 +99,7 @@ static int exif_of(const char *path, int (*read)(const unsigned char *, size_t),
     enum { HEAD = 1 << 18 }; // a JPEG's tags come first
     static const char mark[6] = "Exif\0";
     FfpError unread = {0};
-    FfpBytes file;
+    FfpEncoded file;
     int value = none;
     if (!read_bytes(&file, path, &unread)) return none;
     if (ffp_tiff_is(&file)) value = read(file.data, file.size);
@@ -166,7 +166,7 @@ static bool read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, bo
 }
 
 // True if it has other colours than sRGB that are to be converted.
-static bool is_profiled(const FfpBytes *file) {
+static bool is_profiled(const FfpEncoded *file) {
     FfpColourProfile profile = ffp_profile_find(file);
     const bool profiled = !ffp_profile_is_srgb(&profile);
     ffp_free(profile.icc);
@@ -176,7 +176,7 @@ static bool is_profiled(const FfpBytes *file) {
 // A JPEG's, reduced while it is decoded; *done false, without an error: of any other file.
 static bool reduce_jpeg(FfpImage *rgb, int whole[2], bool *done, const char *path, bool light, int shrink,
                         bool rough, FfpError *err) {
-    FfpBytes file;
+    FfpEncoded file;
     FfpDecoded out = {0};
     real table[256];
     *done = false;
@@ -256,7 +256,7 @@ bool ffp_image_has_ending(const char *name) {
 
 bool ffp_image_read_size(int *width, int *height, const char *path, FfpError *err) {
     *width = *height = 0;
-    FfpBytes file;
+    FfpEncoded file;
     if (!read_bytes(&file, path, err)) return false;
     const Codec *codec = codec_of(&file, err);
     const bool ok = codec && codec->size(&file, width, height, err);

@@ -12,7 +12,7 @@
 #define RATIO_MAX 4096 // LZW, the densest of the compressions read, cannot shrink further
 #define LIBTIFF_BYTES_MAX ((tmsize_t)1 << 30) // of one block that libtiff takes for itself
 
-bool ffp_tiff_is(const FfpBytes *file) {
+bool ffp_tiff_is(const FfpEncoded *file) {
     static const char *const magic[4] = {"II*\0", "MM\0*", "II+\0", "MM\0+"};
     for (int i = 0; i < 4; i++) {
         if (file->size >= 8 && memcmp(file->data, magic[i], 4) == 0) return true;
@@ -31,7 +31,7 @@ static const FfpTiffModule *load(FfpError *err) {
 typedef struct Reading {
     const FfpTiffModule *lib;
     TIFF *tiff;
-    const FfpBytes *file;
+    const FfpEncoded *file;
     uint64_t position;
     char message[160]; // libtiff's first complaint
     uint32_t width, height;
@@ -209,7 +209,7 @@ static void close_thing(void *tiff) {
 }
 
 // r->tiff is to be closed whatever comes of it.
-static bool begin_tiff(Reading *r, const FfpBytes *file, FfpError *err) {
+static bool begin_tiff(Reading *r, const FfpEncoded *file, FfpError *err) {
     *r = (Reading){.lib = load(err), .file = file};
     if (!r->lib) return false;
     TIFFOpenOptions *options = r->lib->options_new();
@@ -225,7 +225,7 @@ static bool begin_tiff(Reading *r, const FfpBytes *file, FfpError *err) {
     return true;
 }
 
-static bool open_tiff(Reading *r, const FfpBytes *file, FfpError *err) {
+static bool open_tiff(Reading *r, const FfpEncoded *file, FfpError *err) {
     if (!begin_tiff(r, file, err)) return false;
     if (is_raw(r)) return refuse_raw(r, err);
     if (!r->lib->get(r->tiff, TIFFTAG_IMAGEWIDTH, &r->width) ||
@@ -321,7 +321,7 @@ static void take_pixel(const Reading *r, const real *from, real *to) {
     to[3] = alpha;
 }
 
-bool ffp_tiff_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
+bool ffp_tiff_decode(const FfpEncoded *file, FfpDecoded *out, FfpError *err) {
     Reading r;
     FfpImage stored = {0};
     const bool ok = open_tiff(&r, file, err) && read_pixels(&r, &stored, err);
@@ -341,7 +341,7 @@ bool ffp_tiff_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
     return true;
 }
 
-bool ffp_tiff_decode_raw(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
+bool ffp_tiff_decode_raw(const FfpEncoded *file, FfpDecoded *out, FfpError *err) {
     Reading r;
     const bool ok = open_tiff(&r, file, err) &&
                     (r.channels == 1 || ffp_fail(err, FFP_ERROR_FILE, file->path, "is not a grey image")) &&
@@ -351,14 +351,14 @@ bool ffp_tiff_decode_raw(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
     return ok;
 }
 
-bool ffp_tiff_is_raw(const FfpBytes *file) {
+bool ffp_tiff_is_raw(const FfpEncoded *file) {
     Reading r;
     const bool raw = begin_tiff(&r, file, NULL) && is_raw(&r);
     close_tiff(&r);
     return raw;
 }
 
-bool ffp_tiff_size(const FfpBytes *file, int *width, int *height, FfpError *err) {
+bool ffp_tiff_size(const FfpEncoded *file, int *width, int *height, FfpError *err) {
     Reading r;
     const bool ok = open_tiff(&r, file, err);
     close_tiff(&r);

@@ -81,7 +81,7 @@ void ffp_capture_close(FfpCapture *capture) {
 }
 
 typedef struct OpenModel {
-    FfpSource source;
+    FfpFileSource source;
     FfpModel *model;
 } OpenModel;
 
@@ -104,7 +104,7 @@ void ffp_model_close(FfpModel *model) {
 }
 
 typedef struct OpenGaussians {
-    FfpSource source;
+    FfpFileSource source;
     FfpGaussians *gaussians;
 } OpenGaussians;
 

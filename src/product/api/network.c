@@ -143,7 +143,7 @@ void ffp_prepared_close(FfpPrepared *prepared) {
 }
 
 typedef struct PerceptualCall {
-    FfpSource source;
+    FfpFileSource source;
     FfpPerceptual *network;
 } PerceptualCall;
 

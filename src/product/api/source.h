@@ -5,15 +5,15 @@
 #include "core/base/memory_file.h"
 #include "product/api/arguments.h"
 
-typedef struct FfpSource {
+typedef struct FfpFileSource {
     const char *path; // the name that messages give it
     FfpMemoryFile memory;
-} FfpSource;
+} FfpFileSource;
 
 // `contents` NULL: the file at `path`; otherwise `path` may be NULL.
-static inline bool ffp_source_find(FfpSource *source, const char *path, const FfpBytes *contents,
+static inline bool ffp_source_find(FfpFileSource *source, const char *path, const FfpBytes *contents,
                                    FfpError *err) {
-    *source = (FfpSource){.path = path};
+    *source = (FfpFileSource){.path = path};
     if (!contents) return true;
     if (!ffp_need(contents->data, "contents.data", err)) return false;
     source->path = path ? path : "contents";
@@ -22,7 +22,7 @@ static inline bool ffp_source_find(FfpSource *source, const char *path, const Ff
 }
 
 // In the call, before the file is read; ffp_memory_file_use(NULL) ends it.
-static inline void ffp_source_use(FfpSource *source) {
+static inline void ffp_source_use(FfpFileSource *source) {
     if (source->memory.path) ffp_memory_file_use(&source->memory);
 }
 

@@ -2,7 +2,7 @@
 // The page's contents, cues, stages and findings without a page: what is checked, in which order things come, what is let go. Run by node.
 const assert = require('assert'), fs = require('fs'), path = require('path'), {runInThisContext} = require('vm');
 
-// What of the page the scripts meet while they are read, and what they say to the user.
+// Stand-ins for the page; messages to the user are kept.
 const said = [], waiting = [];
 Object.assign(globalThis, {
   say: (text) => said.push(text), attempt: (work) => work, shortName: (id) => id.replace(/_/g, ' '),
