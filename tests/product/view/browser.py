@@ -104,7 +104,7 @@ class Browser:
             data = data[os.write(self.write, data):]
         return self.last
 
-    def call(self, method, parameters=None, session="", timeout=120):
+    def call(self, method, parameters=None, session="", timeout=600):
         number = self._send(method, parameters or {}, self.session if session == "" else session)
         end = time.monotonic() + timeout
         while True:
@@ -126,7 +126,7 @@ class Browser:
     def open(self, path):
         self.call("Page.navigate", {"url": path if "://" in path else "file://" + os.path.abspath(path)})
 
-    def run(self, script, timeout=120):
+    def run(self, script, timeout=600):
         """The value of an expression, which may be a promise."""
         answer = self.call("Runtime.evaluate", {"expression": script, "awaitPromise": True, "returnByValue": True,
                                                 "userGesture": True}, timeout=timeout)
@@ -135,7 +135,7 @@ class Browser:
             raise Failure(details.get("exception", {}).get("description", details["text"]))
         return answer["result"].get("value")
 
-    def wait(self, condition, timeout=60, every=0.05):
+    def wait(self, condition, timeout=300, every=0.05):
         end = time.monotonic() + timeout
         while not self.run(condition):
             if time.monotonic() > end:
