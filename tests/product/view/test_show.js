@@ -59,7 +59,7 @@ runInThisContext('layersOf = (app, described) => new Promise((done) => app.arriv
 const projector = () => ({correction: 'none', watcher: 'now', layers: [new Layer(new SolidContent('#000000'))], content: new SolidContent('#000000')});
 const app = {
   arriving, scene: {views: {0: {id: 'first'}, v: {id: 'v'}}}, projectors: [projector(), projector()], library: {entries: []}, changed: (what) => events.push(what),
-  jump: (view) => events.push(`jump ${view.id}`), release: (sources) => events.push(`released ${sources.length}`),
+  jump: (view) => events.push(`jump ${view.id}`), seat: () => ({pose: app.pose}), invalidate: () => events.push('drawn'), release: (sources) => events.push(`released ${sources.length}`),
   setLayers: (layers, to, seconds, corrected) => events.push(`${app.projectors.indexOf(to)}: ${layers.map((l) => l.source.colour)} in ${seconds} s${corrected ? ', to be corrected again' : ''}`),
 };
 app.projector = app.projectors[0];
@@ -110,8 +110,18 @@ const show = new Show(app), one = (colour, changes = {}) => ({...cue({shown: [{l
   refuses(() => show.find('none'), 'There is no cue "none"');
   show.cues = new Array(CUES_MAX).fill(show.cues[0]);
   refuses(() => show.add(), `at most ${CUES_MAX}`);
-  said.length = 0, show.arm(true), show.arm(false);
-  assert.deepStrictEqual(said, ['Armed: Space or Enter is GO.']);
+
+  // Armed, it keeps the place that corrections are for, until a cue brings poses of its own.
+  show.cues = [one('red'), one('green', {pose: 0})], show.at = -1, said.length = 0, app.pose = 'aside';
+  show.arm(true);
+  assert.ok(said.length === 1 && said[0].startsWith('Armed'));
+  app.pose = 'elsewhere';
+  await fade(show.go());
+  assert.deepStrictEqual(show.seat, {pose: 'aside'});
+  await fade(show.go());
+  assert.deepStrictEqual(show.seat, {pose: 'elsewhere'});
+  show.arm(false);
+  assert.deepStrictEqual([show.seat, happened()], [null, ['drawn']]);
 
   // --- Findings. ---
   const item = findingItem({code: 'few-views', severity: 'doubt', subject: 'views', view: 'v2', text: 'seen from one side', advice: 'photograph all around'});
