@@ -79,3 +79,8 @@ void ffp_rigid_inverse(const FfpRigid *motion, FfpRigid *out) {
     for (int i = 0; i < 9; i++) out->r[i] = motion->r[3 * (i % 3) + i / 3];
     for (int i = 0; i < 3; i++) out->t[i] = -ffp_dot(out->r + 3 * i, motion->t);
 }
+
+void ffp_rigid_product(const FfpRigid *a, const FfpRigid *b, FfpRigid *out) {
+    ffp_rotation_product(a->r, b->r, out->r);
+    for (int i = 0; i < 3; i++) out->t[i] = ffp_dot(a->r + 3 * i, b->t) + a->t[i];
+}

@@ -36,7 +36,8 @@ void ffp_rotation_to_vector(const double r[9], double v[3]);
 // The unit quaternion w x y z of a rotation, w >= 0, by its largest part (Shepperd 1978).
 void ffp_rotation_to_quaternion(const double r[9], double wxyz[4]);
 
-// x -> r^T (x - t). out may not be the argument.
+// x -> r^T (x - t), and x -> a (b x). out may be none of the arguments.
 void ffp_rigid_inverse(const FfpRigid *motion, FfpRigid *out);
+void ffp_rigid_product(const FfpRigid *a, const FfpRigid *b, FfpRigid *out);
 
 #endif

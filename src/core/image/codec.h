@@ -79,8 +79,10 @@ bool ffp_tiff_is_raw(const FfpEncoded *file);        // DNG, NEF, ARW and the li
 int ffp_exif_orientation(const unsigned char *bytes, size_t size);
 // The focal length as that of a 35 mm camera, mm; 0 where they do not tell.
 int ffp_exif_focal_35mm(const unsigned char *bytes, size_t size);
-// Rotates or mirrors a picture as the tag says, into new memory, and likewise a size given by a file.
+// Rotates or mirrors a picture as the tag says, into new memory or given memory of its size, and likewise a
+// size given by a file.
 void ffp_orient(FfpImage *image, int orientation);
+void ffp_orient_into(real *out, const FfpImage *image, int orientation);
 void ffp_orient_size(int *width, int *height, int orientation);
 
 // Refuses a side of 0 or above FFP_IMAGE_SIDE_MAX.

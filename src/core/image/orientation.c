@@ -10,26 +10,31 @@ void ffp_orient_size(int *width, int *height, int orientation) {
     *height = old;
 }
 
-void ffp_orient(FfpImage *image, int orientation) {
-    if (orientation < 2 || orientation > 8) return;
+void ffp_orient_into(real *out, const FfpImage *image, int orientation) {
     int width = image->width, height = image->height;
     const bool across = orientation >= 5;
     // the stored picture's columns and rows are counted from the other end
     const bool right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
     const bool below = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
+    const size_t channels = (size_t)image->channels;
     ffp_orient_size(&width, &height, orientation);
-    FfpImage out = ffp_image_new(width, height, image->channels);
-    const size_t bytes = (size_t)image->channels * sizeof(real);
     for (int y = 0; y < height; y++) {
         for (int x = 0; x < width; x++) {
             const int column = across ? y : x, row = across ? x : y;
             const size_t from = (size_t)(below ? image->height - 1 - row : row) * (size_t)image->width +
                                 (size_t)(right ? image->width - 1 - column : column);
             const size_t to = (size_t)y * (size_t)width + (size_t)x;
-            memcpy(out.data + to * (size_t)image->channels, image->data + from * (size_t)image->channels,
-                   bytes);
+            memcpy(out + to * channels, image->data + from * channels, channels * sizeof *out);
         }
     }
+}
+
+void ffp_orient(FfpImage *image, int orientation) {
+    if (orientation < 2 || orientation > 8) return;
+    int width = image->width, height = image->height;
+    ffp_orient_size(&width, &height, orientation);
+    FfpImage out = ffp_image_new(width, height, image->channels);
+    ffp_orient_into(out.data, image, orientation);
     ffp_image_free(image);
     *image = out;
 }

@@ -122,7 +122,7 @@ static void check_rig(FfpFindings *found, const FfpCapture *capture, const FfpCa
 static bool try_hypotheses(FfpFindings *found, const FfpCapture *capture, int active) {
     FfpSummed pattern = ffp_summed_new(&capture->patterns[active].image);
     FfpCase c = {.capture = capture, .active = active, .pattern = &pattern, .view = -1};
-    c.error = ffp_error_of(capture, active, (FfpGuess){.pattern = &pattern});
+    c.error = ffp_error_of(capture, active, -1, (FfpGuess){.pattern = &pattern});
     c.chance = ffp_chance_of(capture, active, &pattern, -1);
     c.enough = FITS * fmin(c.error, FFP_RIG_CHANCE_MAX * c.chance);
     const bool none = ffp_hypotheses_try(found, FFP_VIEWS_BY_LIGHT, &c) &&

@@ -327,24 +327,36 @@ double ffp_rig_guess(const FfpCapture *capture, const FfpView *view, const FfpGu
     return n >= PIXELS_LEAST ? sqrt(sum / kept) : NAN;
 }
 
+double ffp_error_of(const FfpCapture *capture, int active, int view, FfpGuess guess) {
+    const int end = view < 0 ? capture->n_views : view + 1;
+    double sum = 0;
+    int n = 0;
+    for (int v = view < 0 ? 0 : view; v < end; v++) {
+        FfpGuess own = guess;
+        if (!own.photograph) own.photograph = &capture->views[v].images[active];
+        const double error = own.photograph->data ? ffp_rig_guess(capture, &capture->views[v], &own) : NAN;
+        if (isnan(error)) continue;
+        sum += error * error;
+        n++;
+    }
+    return n > 0 ? sqrt(sum / n) : NAN;
+}
+
+// The least of the thirds by which the pattern may be moved.
+static double least_error(const FfpCapture *capture, int active, int view, FfpGuess guess) {
+    double least = INFINITY;
+    for (guess.third = 1; guess.third <= FAR; guess.third++)
+        least = fmin(least, ffp_error_of(capture, active, view, guess));
+    return least;
+}
+
+double ffp_chance_of(const FfpCapture *capture, int active, const FfpSummed *pattern, int view) {
+    return least_error(capture, active, view, (FfpGuess){.pattern = pattern});
+}
+
 bool ffp_rig_tells(const FfpCapture *capture, int pattern) {
     FfpSummed summed = ffp_summed_new(&capture->patterns[pattern].image);
-    double least = INFINITY;
-    for (int third = 1; third <= FAR; third++) {
-        double sum = 0;
-        int n = 0;
-        for (int v = 0; v < capture->n_views; v++) {
-            const FfpImage *photograph = &capture->views[v].images[pattern];
-            if (!photograph->data) continue;
-            const FfpGuess guess = {
-                .photograph = photograph, .pattern = &summed, .third = third, .ideal = true};
-            const double error = ffp_rig_guess(capture, &capture->views[v], &guess);
-            if (isnan(error)) continue;
-            sum += error * error;
-            n++;
-        }
-        least = fmin(least, n > 0 ? sqrt(sum / n) : INFINITY);
-    }
+    const double least = least_error(capture, pattern, -1, (FfpGuess){.pattern = &summed, .ideal = true});
     ffp_summed_free(&summed);
     return least >= TELLS;
 }

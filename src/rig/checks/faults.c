@@ -330,7 +330,7 @@ static bool check_pattern(FfpFindings *found, const FfpCapture *capture, int act
     FfpSummed pattern = ffp_summed_new(&capture->patterns[active].image);
     FfpCase c = {.capture = capture, .active = active, .pattern = &pattern, .view = -1};
     const Odd odd = odd_view(capture, active, &pattern);
-    c.error = ffp_error_of(capture, active, (FfpGuess){.pattern = &pattern});
+    c.error = ffp_error_of(capture, active, -1, (FfpGuess){.pattern = &pattern});
     c.enough = BETTER_VALUES * c.error;
     // Of stripes, every guess explains them.
     const bool ok = (odd.usual < QUITE_WELL && odd.view < 0) ||

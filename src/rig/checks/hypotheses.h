@@ -34,9 +34,4 @@ typedef struct FfpCase {
 // Adds the fault that explains the case best of those of the first kind that does. False: one did.
 bool ffp_hypotheses_try(FfpFindings *found, FfpEvidence evidence, const FfpCase *c);
 
-// Root mean square over all views of a guess at the photographs under `active`; NAN: too few pixels are lit.
-double ffp_error_of(const FfpCapture *capture, int active, FfpGuess guess);
-// The least of four places where the pattern certainly is not, of one view or, -1, of all.
-double ffp_chance_of(const FfpCapture *capture, int active, const FfpSummed *pattern, int view);
-
 #endif

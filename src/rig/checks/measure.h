@@ -122,6 +122,10 @@ typedef struct FfpGuess {
 // The root mean square error of that in one view, of up to 80 of its pixels, without the worst of them; NAN
 // if fewer than 16 are lit.
 double ffp_rig_guess(const FfpCapture *capture, const FfpView *view, const FfpGuess *guess);
+// The same over one view or, -1, over all that are lit; without a photograph theirs under `active`.
+double ffp_error_of(const FfpCapture *capture, int active, int view, FfpGuess guess);
+// The least of four places where the pattern certainly is not.
+double ffp_chance_of(const FfpCapture *capture, int active, const FfpSummed *pattern, int view);
 
 // True if the photographs under a pattern can tell right poses from wrong ones. Those of stripes cannot: each
 // ray meets all of their colours, wherever the pattern is; unless correspondences say where to look.

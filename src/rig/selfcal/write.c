@@ -23,9 +23,8 @@ static World world_of(const FfpBundle *b, double scale) {
 static FfpRigid in_world(const World *world, const FfpRigid *pose) {
     FfpRigid out, back;
     ffp_rigid_inverse(&world->from, &back);
-    ffp_rotation_product(pose->r, back.r, out.r);
-    for (int k = 0; k < 3; k++)
-        out.t[k] = world->scale * (ffp_dot(pose->r + 3 * (size_t)k, back.t) + pose->t[k]);
+    ffp_rigid_product(pose, &back, &out);
+    for (int k = 0; k < 3; k++) out.t[k] *= world->scale;
     return out;
 }
 

@@ -319,7 +319,7 @@ static void what_silhouettes_do_not_tell(void **state) {
         FfpCamera *d = &capture.views[v].camera;
         d->fx *= 2, d->fy *= 2, d->cx *= 2, d->cy *= 2;
     }
-    c.enough = 0.5 * ffp_error_of(&capture, active, (FfpGuess){.pattern = &pattern});
+    c.enough = 0.5 * ffp_error_of(&capture, active, -1, (FfpGuess){.pattern = &pattern});
     assert_false(ffp_hypotheses_try(&found, FFP_VIEWS_BY_LIGHT, &c));
     must_find(FFP_RULE_CAMERA_SIZE, NULL);
     ffp_summed_free(&pattern);
