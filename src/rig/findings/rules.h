@@ -4,7 +4,6 @@
 #ifndef FFP_RIG_FINDINGS_RULES_H
 #define FFP_RIG_FINDINGS_RULES_H
 
-#include <stdio.h>
 #include "ffprocams/findings.h"
 
 // docs/guide/troubleshooting.md has them in this order.
@@ -177,8 +176,5 @@ typedef struct FfpRule {
 } FfpRule;
 
 const FfpRule *ffp_rule(FfpRuleId id);
-
-// docs/guide/troubleshooting.md, from these tables.
-void ffp_write_troubleshooting(FILE *out);
 
 #endif

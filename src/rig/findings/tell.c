@@ -18,7 +18,8 @@ static void put_number(FILE *out, double value, const char *digits) {
         fprintf(out, kind == 'f' ? "%.*f" : "%.*g", precision, value);
 }
 
-static void put_value(FILE *out, const char *name, size_t length, const char *digits, const FfpFacts *facts) {
+static void put_value(FILE *out, const char *name, size_t length, const char *digits, const void *with) {
+    const FfpFacts *facts = with;
     const struct {
         const char *name, *text;
         double number;
@@ -41,19 +42,22 @@ static void put_value(FILE *out, const char *name, size_t length, const char *di
     }
 }
 
-static const char *fill(FfpArena *memory, const char *template, const FfpFacts *facts) {
-    if (!template) return NULL;
-    FfpText *text = ffp_text_new();
-    FILE *out = ffp_text_stream(text);
+void ffp_put_template(FILE *out, const char *template, FfpPutPlaceholder *put, const void *with) {
     for (const char *at = template; *at; at++) {
         if (*at != '{') {
             fputc(*at, out);
             continue;
         }
         const size_t length = strcspn(at + 1, ":}"), whole = strcspn(at, "}");
-        put_value(out, at + 1, length, at[1 + length] == ':' ? at + 2 + length : "", facts);
+        put(out, at + 1, length, at[1 + length] == ':' ? at + 2 + length : "", with);
         at += whole;
     }
+}
+
+static const char *fill(FfpArena *memory, const char *template, const FfpFacts *facts) {
+    if (!template) return NULL;
+    FfpText *text = ffp_text_new();
+    ffp_put_template(ffp_text_stream(text), template, put_value, facts);
     const char *filled = ffp_arena_text(memory, ffp_text_so_far(text, NULL));
     ffp_text_free(text);
     return filled;

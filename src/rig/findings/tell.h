@@ -13,6 +13,12 @@ typedef struct FfpFacts {
     double figure, limit, x, y, z;
 } FfpFacts;
 
+// A rule's words, where `put` writes what stands for a placeholder: `length` bytes of its name, and what
+// follows its colon, from the digits on (".1%} of"); "": it has none.
+typedef void FfpPutPlaceholder(FILE *out, const char *name, size_t length, const char *digits,
+                               const void *with);
+void ffp_put_template(FILE *out, const char *template, FfpPutPlaceholder *put, const void *with);
+
 typedef struct FfpFindings {
     FfpFinding *items; // [count]; their texts are in `memory`
     int count;
