@@ -73,6 +73,11 @@ static const Trained trained[] = {
     [FFP_RIG_ROLL] = {-5, 5, -10, 10},
     [AMBIENT] = {0.07, 0.66, 0, 0.73},
 };
+// A rule for each, in the same order, and another where it is unusual.
+_Static_assert(FFP_RULE_AMBIENT - FFP_RULE_CAMERA_DISTANCE == AMBIENT &&
+                   FFP_RULE_UNUSUAL - FFP_RULE_CAMERA_DISTANCE == AMBIENT + 1 &&
+                   FFP_RULE_ROLL - FFP_RULE_CAMERA_DISTANCE == FFP_RIG_ROLL,
+               "the rules of the rig's numbers are in their order");
 
 static void compare(FfpFindings *found, int which, FfpRange range) {
     const Trained *t = &trained[which];
