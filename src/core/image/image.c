@@ -27,6 +27,13 @@ FfpImage ffp_image_copy(const FfpImage *image) {
     return copy;
 }
 
+double ffp_image_mean(const FfpImage *image) {
+    const size_t count = value_count(image);
+    double sum = 0;
+    for (size_t i = 0; i < count; i++) sum += (double)image->data[i];
+    return sum / (double)count;
+}
+
 void ffp_image_put_over_black(FfpImage *image) {
     const size_t pixels = (size_t)image->width * (size_t)image->height;
     for (size_t i = 0; i < pixels; i++) {

@@ -20,6 +20,7 @@ typedef struct FfpImage {
 FfpImage ffp_image_new(int width, int height, int channels); // zeroed; sizes must be checked by the caller
 void ffp_image_free(FfpImage *image);                        // also clears it; NULL and empty are allowed
 FfpImage ffp_image_copy(const FfpImage *image);
+double ffp_image_mean(const FfpImage *image); // of all values
 
 // A picture whose rows are made when they are needed, so that a large one is never in memory as a whole.
 typedef struct FfpRows {

@@ -91,36 +91,29 @@ static bool same_picture(const FfpImage *a, const FfpImage *b) {
            memcmp(a->data, b->data, 3 * (size_t)a->width * (size_t)a->height * sizeof *a->data) == 0;
 }
 
-static double sum_of(const FfpImage *image) {
-    const ptrdiff_t count = (ptrdiff_t)3 * image->width * image->height;
-    double sum = 0;
-    for (ptrdiff_t i = 0; i < count; i++) sum += (double)image->data[i];
-    return sum;
-}
-
 // A view that has another's photograph; drawn objects may look the same from two sides. Pictures are compared
-// where their sums are equal.
+// where their means are equal.
 static void check_repeated_views(FfpFindings *found, const FfpCapture *capture) {
     const int white = capture->white;
-    double *sums = ffp_alloc((size_t)capture->n_views, sizeof *sums);
+    double *means = ffp_alloc((size_t)capture->n_views, sizeof *means);
     for (int v = 0; v < capture->n_views; v++) {
         const FfpView *view = &capture->views[v];
-        sums[v] = sum_of(&view->images[white]);
+        means[v] = ffp_image_mean(&view->images[white]);
         for (int w = 0; w < v; w++)
-            if (sums[v] == sums[w] && !ffp_same_device(&view->camera, &capture->views[w].camera) &&
+            if (means[v] == means[w] && !ffp_same_device(&view->camera, &capture->views[w].camera) &&
                 same_picture(&view->images[white], &capture->views[w].images[white]))
                 ffp_found(found, FFP_RULE_SAME_VIEW,
                           &(FfpFacts){.view = view->id, .other = capture->views[w].id});
         ffp_cancel_point();
     }
-    ffp_free(sums);
+    ffp_free(means);
 }
 
 // The mean of a pattern's values, as a share of white.
 static double mean_shown(const FfpCapture *capture, int pattern) {
     const FfpImage *image = &capture->patterns[pattern].image;
     if (pattern == capture->black || pattern == capture->white) return pattern == capture->white;
-    return sum_of(image) / (3.0 * image->width * image->height);
+    return ffp_image_mean(image);
 }
 
 // True if the photographs under two patterns differ by hardly any of the projector's light, noise or more.

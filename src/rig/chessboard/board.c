@@ -86,14 +86,21 @@ static double share_there(const FfpImage *grey, const double h[9], const FfpBoar
     return 2 * seen >= n ? (double)there / seen : 0;
 }
 
-static bool check_whole(const FfpBoard *board, const FfpImage *grey, FfpAttitude *a, FfpError *err) {
-    double *flat = ffp_alloc((size_t)a->n, 2 * sizeof *flat), h[9], sum = 0;
+bool ffp_board_homography(const FfpBoard *board, const FfpAttitude *a, double tolerance, double h[9],
+                          bool *found, FfpError *err) {
+    double *flat = ffp_alloc((size_t)a->n, 2 * sizeof *flat);
     unsigned char *inside = ffp_alloc((size_t)a->n, 1);
-    bool found;
     for (int i = 0; i < a->n; i++)
         flat[2 * i] = ffp_corner_column(board, i), flat[2 * i + 1] = ffp_corner_row(board, i);
-    const bool ok = ffp_cv_homography(flat, a->camera, a->n, 3, h, inside, &found, err);
+    const bool ok = ffp_cv_homography(flat, a->camera, a->n, tolerance, h, inside, found, err);
     ffp_free(flat), ffp_free(inside);
+    return ok;
+}
+
+static bool check_whole(const FfpBoard *board, const FfpImage *grey, FfpAttitude *a, FfpError *err) {
+    double h[9], sum = 0;
+    bool found;
+    const bool ok = ffp_board_homography(board, a, 3, h, &found, err);
     if (!ok || !found) return ok;
     for (int i = 0; i < a->n; i++)
         sum += saddle(grey, h, ffp_corner_column(board, i), ffp_corner_row(board, i));

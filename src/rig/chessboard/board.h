@@ -62,6 +62,10 @@ FfpImage ffp_board_region(const FfpBoard *board, const FfpAttitude *attitude, in
 bool ffp_board_project(const FfpBoard *board, const FfpImage *map, const int dropped[2], const int size[2],
                        FfpAttitude *attitude, FfpError *err);
 
+// From the board's squares to the camera's pixels, by the corners within `tolerance` pixels of it.
+bool ffp_board_homography(const FfpBoard *board, const FfpAttitude *attitude, double tolerance, double h[9],
+                          bool *found, FfpError *err);
+
 // The place of corner i on the board, in squares.
 static inline double ffp_corner_column(const FfpBoard *board, int i) {
     return i % board->columns;

@@ -73,13 +73,9 @@ static void check_counts(FfpRigFit *fit) {
 bool ffp_board_normal(const FfpBoard *board, const FfpAttitude *a, int width, int height, double normal[3],
                       FfpError *err) {
     const double focal = GUESS_FOCAL * fmax(width, height);
-    double *flat = ffp_alloc((size_t)a->n, 2 * sizeof *flat), h[9];
-    unsigned char *inside = ffp_alloc((size_t)a->n, 1);
+    double h[9];
     bool found;
-    for (int i = 0; i < a->n; i++)
-        flat[2 * i] = ffp_corner_column(board, i), flat[2 * i + 1] = ffp_corner_row(board, i);
-    const bool ok = ffp_cv_homography(flat, a->camera, a->n, 5, h, inside, &found, err);
-    ffp_free(flat), ffp_free(inside);
+    const bool ok = ffp_board_homography(board, a, 5, h, &found, err);
     normal[0] = normal[1] = 0, normal[2] = 1;
     if (!ok || !found) return ok;
     double columns[2][3];

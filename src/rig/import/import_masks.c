@@ -25,13 +25,6 @@ static bool load_mask(FfpImporting *import, int stop, FfpError *err) {
     return true;
 }
 
-static double mean_of(const FfpImage *rgb) {
-    const ptrdiff_t values = 3 * (ptrdiff_t)rgb->width * rgb->height;
-    double sum = 0;
-    for (ptrdiff_t i = 0; i < values; i++) sum += (double)rgb->data[i];
-    return sum / (double)values;
-}
-
 // White adds no light: where one photograph is lighter than all others, and clearly so, it is white's, and
 // all are a pattern late. With one pattern alone, that may as well be the pattern's own light: then white
 // shows what black does.
@@ -43,7 +36,7 @@ static bool tell_late(const FfpImporting *import, int stop, FfpError *err) {
     int lightest = -1, shown = 0;
     for (int p = 0; p < shots->n_patterns; p++) {
         if (!images[p].data) continue;
-        const double mean = mean_of(&images[p]);
+        const double mean = ffp_image_mean(&images[p]);
         next = fmax(next, fmin(mean, most));
         if (mean > most) most = mean, lightest = p;
         shown++;

@@ -185,22 +185,15 @@ int64_t ffp_mask_fill_specks(FfpImage *mask) {
     return filled;
 }
 
-static double mean_light(const FfpImage *rgb) {
-    const ptrdiff_t values = 3 * (ptrdiff_t)rgb->width * rgb->height;
-    double sum = 0;
-    for (ptrdiff_t i = 0; i < values; i++) sum += (double)rgb->data[i];
-    return sum / (double)values;
-}
-
 bool ffp_mask_otsu(FfpImage *mask, FfpImage *holes, const FfpImage *black, const FfpImage *white,
                    const char *where, FfpError *err) {
     FfpImage added = added_light(black, white), even = smooth(&added);
     const int first = otsu(&even);
     ffp_image_free(&added);
     if (first == 0) {
-        const double dark = mean_light(black);
+        const double dark = ffp_image_mean(black);
         ffp_image_free(&even);
-        return ffp_gray_fail_dark(dark, mean_light(white) - dark, where, err);
+        return ffp_gray_fail_dark(dark, ffp_image_mean(white) - dark, where, err);
     }
     const ptrdiff_t pixels = (ptrdiff_t)even.width * even.height;
     for (ptrdiff_t i = 0; i < pixels; i++) even.data[i] = (int)(even.data[i] * (BINS - 1) + 0.5F) >= first;

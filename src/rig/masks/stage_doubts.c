@@ -53,20 +53,14 @@ static void warn_of_other_room_light(const FfpMasking *masking) {
                  &(FfpFacts){.view = masking->capture->views[odd].id, .figure = here, .x = there});
 }
 
-static double mean_of(const FfpImage *image) {
-    const size_t numbers = 3 * (size_t)image->width * (size_t)image->height;
-    double sum = 0;
-    for (size_t i = 0; i < numbers; i++) sum += (double)image->data[i];
-    return sum / (double)numbers;
-}
-
 static bool check_order(const FfpMasking *masking, FfpError *err) {
     for (int v = 0; v < masking->capture->n_views; v++) {
         const FfpImage *black = &masking->stages[v].images[masking->capture->black],
                        *white = &masking->stages[v].images[masking->capture->white];
-        if (!black->data || !white->data || mean_of(black) <= mean_of(white) + ROOM_LIGHT_LEAST) continue;
-        return ffp_fail_by(FFP_RULE_STAGE_EXCHANGED, &(FfpFacts){.x = mean_of(black), .y = mean_of(white)},
-                           "empty", err);
+        if (!black->data || !white->data || ffp_image_mean(black) <= ffp_image_mean(white) + ROOM_LIGHT_LEAST)
+            continue;
+        return ffp_fail_by(FFP_RULE_STAGE_EXCHANGED,
+                           &(FfpFacts){.x = ffp_image_mean(black), .y = ffp_image_mean(white)}, "empty", err);
     }
     return true;
 }

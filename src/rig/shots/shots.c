@@ -21,10 +21,16 @@ typedef struct Group {
     const char *template;
 } Group;
 
-static int pattern_index(FfpShots *shots, const char *name, FfpError *err) {
-    for (int i = 0; i < shots->n_patterns; i++) {
+static int known_pattern(const FfpShots *shots, const char *name) {
+    for (int i = 0; i < shots->n_patterns; i++)
         if (strcmp(shots->patterns[i].name, name) == 0) return i;
-    }
+    return -1;
+}
+
+// The same; a name that is not known is a new pattern's.
+static int pattern_index(FfpShots *shots, const char *name, FfpError *err) {
+    const int known = known_pattern(shots, name);
+    if (known >= 0) return known;
     if (!ffp_is_name(name) || shots->n_patterns == FFP_PATTERNS_MAX) {
         ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "invalid pattern name '%.100s', or too many patterns",
                  name);
@@ -200,12 +206,6 @@ static bool find_masks(FfpShots *shots, const char *template, const FfpCalibrati
 }
 
 // --- The empty stage. ---
-
-static int known_pattern(const FfpShots *shots, const char *name) {
-    for (int i = 0; i < shots->n_patterns; i++)
-        if (strcmp(shots->patterns[i].name, name) == 0) return i;
-    return -1;
-}
 
 // Paths [n_stops, n]: of each view, or the same for all of them.
 static bool find_empty_files(const char **paths, FfpShots *shots, const FfpImportImages *source,
