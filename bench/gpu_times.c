@@ -185,6 +185,7 @@ static void rasterise_backward(void *drawing) {
 }
 static void shadow_map(void *drawing) {
     Drawing *d = drawing;
+    ffp_gbuffer_free(&d->shadow);
     d->shadow = ffp_shadow_map(d->raster, &d->gaussians, &d->capture.views[0].projector, &d->settings);
 }
 static void view_and_pictures(void *drawing) {

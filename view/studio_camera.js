@@ -189,7 +189,7 @@ function tellLive(video) {
   const {clipped, dark} = drawHistogram($('live-histogram'), context.getImageData(0, 0, 320, 240).data);
   const sharp = sharpness(video), shake = live.means.length === 30 ? flicker(live.means) : 0;
   live.best = Math.max(live.best, sharp);
-  const says = [[`${share(clipped)} clipped`, clipped > 0.02 && 'expose for less long'], [`${share(dark)} drowned`, dark > 0.9 && 'hardly any light arrives'],
+  const says = [[`${share(clipped)} clipped`, clipped > 0.02 && 'expose for less long'], [`${share(dark)} too dark`, dark > 0.9 && 'hardly any light arrives'],
     [`${Math.round(100 * sharp / live.best)} % as sharp as at best so far`, sharp < 0.7 * live.best && 'turn the focus back'],
     [`brightness varies by ${(100 * shake).toFixed(1)} %`, shake > 0.01 && 'the light flickers: expose for a multiple of 1/100 or 1/120 s, or of the projector\u2019s frame']];
   $('live-says').replaceChildren(...says.map(([text, advice]) => element('li', {className: advice ? 'doubt' : '', textContent: advice ? `${text} \u2013 ${advice}` : text})));

@@ -177,7 +177,7 @@ let drawn = '';
 
 const share = (part) => (100 * part).toFixed(1) + ' %';
 
-// Of the brightest channel of each pixel; the shares that are clipped and drowned.
+// Of the brightest channel of each pixel; the shares that are clipped and too dark.
 function drawHistogram(canvas, pixels) {
   const counts = new Float64Array(256), context = canvas.getContext('2d'), number = pixels.length / 4;
   let clipped = 0, dark = 0;
@@ -198,7 +198,7 @@ function drawHistogram(canvas, pixels) {
 
 function tellExposure(pixels) {
   const {clipped, dark} = drawHistogram($('histogram'), pixels);
-  $('exposure').textContent = `under white: ${share(clipped)} clipped, ${share(dark)} drowned` +
+  $('exposure').textContent = `under white: ${share(clipped)} clipped, ${share(dark)} too dark` +
     (clipped > 0.02 ? ' \u2013 expose for less long' : dark > 0.9 ? ' \u2013 hardly any light arrives' : '');
 }
 

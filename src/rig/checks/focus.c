@@ -39,7 +39,8 @@ int ffp_rig_blurred(const FfpCapture *capture, int active, double *left) {
         sorted[judged++] = contrasts[v];
         if (odd < 0 || contrasts[v] < contrasts[odd]) odd = v;
     }
-    *left = odd < 0 ? 1 : contrasts[odd] / ffp_median(sorted, (size_t)judged);
+    const double usual = odd < 0 ? 0 : ffp_median(sorted, (size_t)judged); // 0: a pattern without contrast
+    *left = usual > 0 ? contrasts[odd] / usual : 1;
     ffp_free(contrasts);
-    return judged < FFP_RIG_VIEWS_TO_ACCUSE ? -1 : odd;
+    return judged < FFP_RIG_VIEWS_TO_ACCUSE || !(usual > 0) ? -1 : odd;
 }

@@ -12,8 +12,9 @@ bool ffp_node_intrinsics(const FfpNode *field, double shift, FfpOptics *optics, 
     if (!ffp_node_matrix_of(field, 3, 3, k, err)) return false;
     if (fabs(k[3]) > 0 || fabs(k[6]) > 0 || fabs(k[7]) > 0 || fabs(k[8] - 1) > 1e-6)
         return ffp_node_fail(field, err, "is %s: rows must be fx 0 cx, 0 fy cy, 0 0 1",
-                             fabs(k[2]) + fabs(k[5]) > 0 ? "not a camera matrix"
-                                                         : "transposed, as MATLAB writes camera matrices");
+                             k[2] == 0 && k[5] == 0 && fabs(k[6]) + fabs(k[7]) > 0 && fabs(k[8] - 1) <= 1e-6
+                                 ? "transposed, as MATLAB writes camera matrices"
+                                 : "not a camera matrix");
     if (fabs(k[1]) > 1e-6 * fabs(k[0])) return ffp_node_fail(field, err, "skewed pixels are not modelled");
     if (!(k[0] >= 1e-3 && k[4] >= 1e-3 && k[0] <= FFP_PIXELS_MAX && k[4] <= FFP_PIXELS_MAX))
         return ffp_node_fail(field, err, "focal lengths %g, %g are not positive numbers of pixels", k[0],

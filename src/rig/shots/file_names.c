@@ -189,8 +189,10 @@ static bool find_files(glob_t *found, const FfpFileSet *set, const Blanks *blank
         if (!fill(set->template, blanks, all_wildcards, path, err)) return false;
         status = glob(path, GLOB_NOSORT, NULL, found);
     }
-    if (status == GLOB_NOSPACE)
+    if (status == GLOB_NOSPACE) {
+        globfree(found);
         return ffp_fail(err, FFP_ERROR_MEMORY, filled, "no memory for the list of files");
+    }
     return status == 0 || ffp_fail(err, FFP_ERROR_FILE, filled,
                                    "no file matches (.JPG is not .jpg), or the folder cannot be read");
 }

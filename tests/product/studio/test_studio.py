@@ -560,7 +560,7 @@ def faults(program, found, folder, first):
         # Faults of the camera's picture are reported while they can still be put right.
         page.click("#live-white")
         page.wait("document.getElementById('live-says').children.length === 4")
-        assert "drowned" in page.run("document.getElementById('live-says').textContent")
+        assert "too dark" in page.run("document.getElementById('live-says').textContent")
         # The camera does not see the projector.
         page.run("webcam.stream.getVideoTracks()[0].enabled = false")
         page.click("#latency")

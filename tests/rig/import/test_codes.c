@@ -862,7 +862,10 @@ static const Fault faults[] = {
      FFP_RULE_CODES_NO_PAIR,
      {"photos/001.png"}},
     // These mirror or turn everything: the calibration tells, or the panel where it ends early.
-    {TURN("000", "001"), NULL, FFP_RULE_CODES_ELSEWHERE, {"view '000'"}},
+    {TURN("000", "001"),
+     NULL,
+     FFP_RULE_CODES_ELSEWHERE,
+     {"view '000'", "away from where the calibration puts them"}},
     {"mkdir x && mv photos/00* photos/010.png photos/011.png photos/012.png photos/013.png x/ && i=0 && for "
      "f "
      "in photos/*.png x/*.png; do mv $f $(printf y%03d.png $i); i=$((i+1)); done && mv y*.png photos/",
