@@ -231,7 +231,8 @@ class Keep:
 
     def contents(self, data: bytes) -> Any:
         """FfpBytes of them."""
-        return self(ffi.new("FfpBytes *", {"data": self(ffi.from_buffer(data)), "size": len(data)}))
+        view = self(ffi.from_buffer(data))
+        return self(ffi.new("FfpBytes *", {"data": view, "size": len(view)}))
 
     def texts(self, texts: list[Any]) -> Any:
         """char *[], or NULL for none."""

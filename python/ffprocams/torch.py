@@ -22,7 +22,7 @@ from typing import Any, ClassVar, Union
 import torch
 from torch import Tensor
 
-from ._call import Call, Handle, Keep, PathLike
+from ._call import Call, Handle, Keep, PathLike, holding
 from ._library import ffi, lib
 from .devices import Pinhole
 from .errors import argument_error
@@ -517,7 +517,7 @@ class _PictureLoss(torch.autograd.Function):
         pictures.pictures, pictures.targets, pictures.gradients = _at(given), _at(wanted), _at(gradient)
         pictures.l1, pictures.ssim, pictures.perceptual = l1, ssim, perceptual
         pictures.network = ffi.NULL if network is None else network._pointer
-        with _call_of(torch.get_num_threads()) as call:
+        with holding(network), _call_of(torch.get_num_threads()) as call:
             call.check(lib.ffp_picture_loss(call.context, pictures, loss, call.error))
         ctx.gradient = gradient
         return torch.tensor(loss[0], dtype=picture.dtype)

@@ -7,6 +7,7 @@
 #include "core/base/call.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/memory_file.h"
 #include "core/gaussians/affine.h"
 #include "core/gaussians/elsewhere.h"
 
@@ -126,6 +127,9 @@ static bool read_beside(const Gltf *gltf, Buffer *buffer, const char *uri, FfpEr
     char path[FFP_PATH_MAX], name[FFP_PATH_MAX] = "";
     char *data;
     const char *base = ffp_basename(gltf->path);
+    if (ffp_memory_file(gltf->path))
+        return ffp_fail(err, FFP_ERROR_FILE, gltf->path,
+                        "buffers: contents in memory cannot name a file ('%.100s')", uri);
     if (!decode_percent(name, uri) || !leads_below(name) ||
         snprintf(path, sizeof path, "%.*s%s", (int)(base - gltf->path), gltf->path, name) >= FFP_PATH_MAX)
         return ffp_fail(err, FFP_ERROR_FILE, gltf->path, "buffers: '%.100s' is not a file beside it", uri);

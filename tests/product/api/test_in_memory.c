@@ -80,6 +80,16 @@ static void other_formats_are_read_from_bytes(void **state) {
     }
 }
 
+static void contents_name_no_other_file(void **state) {
+    (void)state;
+    static const char json[] =
+        "{\"asset\": {\"version\": \"2.0\"}, \"buffers\": [{\"uri\": \"beside.bin\", \"byteLength\": 4}]}";
+    FILE *beside = fopen(in_scratch("beside.bin"), "w");
+    assert_true(beside && fputs("1234", beside) > 0 && fclose(beside) == 0);
+    assert_fails(!ffp_gaussians_open(NULL, in_scratch("mine.gltf"), &(FfpBytes){json, sizeof json - 1}, &err),
+                 FFP_ERROR_FILE, "cannot name a file ('beside.bin')");
+}
+
 static void weights_are_the_bytes_of_their_file(void **state) {
     (void)state;
     char *file;
@@ -182,6 +192,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(gaussians_are_the_bytes_of_their_file),
         cmocka_unit_test(other_formats_are_read_from_bytes),
+        cmocka_unit_test(contents_name_no_other_file),
         cmocka_unit_test(weights_are_the_bytes_of_their_file),
         cmocka_unit_test(calls_take_the_callers_memory),
         cmocka_unit_test(memory_that_the_caller_refuses_ends_the_call),

@@ -597,7 +597,9 @@ def control_from_outside(program, folder, seconds):
         send(osc("/projector/1/layer/2/opacity", "f", 0.25))
     helper = threading.Thread(target=late)
     helper.start()
+    began = time.monotonic()
     answer = asked(1)  # it waits for what comes, or it would have nothing
+    assert time.monotonic() - began < 8  # and not for its ten seconds
     helper.join()
     assert answer["events"] == [{"address": "/projector/1/layer/2/opacity", "values": [0.25]}], answer
     send(osc("/cue", "sTFihd", "Ende \u00e4", 7, -(1 << 40), 0.5))
@@ -636,8 +638,9 @@ def control_from_outside(program, folder, seconds):
             time.sleep(0.5)
     helper = threading.Thread(target=fill)
     helper.start()
+    began = time.monotonic()
     try:
-        assert not asked(answer["number"])["events"]
+        assert not asked(answer["number"])["events"] and time.monotonic() - began < 30
     finally:
         answered.set()
         helper.join()

@@ -28,7 +28,8 @@ def faults(tsc, names):
     command = [tsc, "--noEmit", "--allowJs", "--checkJs", "--target", "es2022", "--lib", "es2022,dom,dom.iterable", "--skipLibCheck",
                "--allowUnreachableCode", "false", "--allowUnusedLabels", "false", "--noFallthroughCasesInSwitch",
                str(HERE / "browser.d.ts"), *(str(VIEW / name) for name in names)]
-    output = subprocess.run(command, capture_output=True, text=True, check=False).stdout
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    output = done.stdout or (done.stderr or "tsc failed") * bool(done.returncode)
     found = re.findall(r"^(\S+): error (TS\d+): (.*)$", output, re.MULTILINE)
     if not found and output.strip():
         return [output.strip()]

@@ -66,6 +66,7 @@ app.projector = app.projectors[0];
 const happened = () => events.splice(0).filter((what) => what !== 'cues'), arrive = () => arriving.splice(0).forEach((work) => work());
 const show = new Show(app), one = (colour, changes = {}) => ({...cue({shown: [{layers: [{...layer(), source: {colour}}], correction: 'none', watcher: 'now'}]}), ...changes});
 
+process.exitCode = 1; // until all of it has run: a promise that nothing resolves ends node, too
 (async () => {
   await assert.rejects(show.go(), (error) => error instanceof Message && /no cues yet/.test(error.message));
   show.add(), show.add();
@@ -148,4 +149,5 @@ const show = new Show(app), one = (colour, changes = {}) => ({...cue({shown: [{l
     spoil(bad);
     await assert.rejects(checkState(kept, bad), (error) => error instanceof Message && error.message.includes(field), field);
   }
-})().catch((error) => { console.error(error); process.exitCode = 1; });
+  process.exitCode = 0;
+})().catch((error) => console.error(error));
