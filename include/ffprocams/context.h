@@ -60,7 +60,7 @@ typedef struct FfpRanks {
 
 typedef struct FfpContextSettings {
     size_t size; // set by ffp_context_defaults
-    void *user;  // passed to all callbacks
+    void *user;  // passed to all callbacks, which must not throw, longjmp or call with a context
     // Receives a line of text without a newline; NULL: no messages. May be called from threads of the
     // library.
     void (*log)(void *user, FfpLogLevel level, const char *text);
@@ -69,7 +69,7 @@ typedef struct FfpContextSettings {
     void (*finding)(void *user, const FfpFinding *finding);
     // Called repeatedly by the thread that made the call. Returning false cancels the call, which then fails
     // with FFP_ERROR_CANCELLED unless documented otherwise. NULL: no progress. The pointers passed to it are
-    // valid until it returns. It must not call the library.
+    // valid until it returns.
     bool (*progress)(void *user, const FfpProgress *progress);
     double interval_s; // minimum between calls of progress; 0: call it at every cancellation point
     int threads;       // number to use; 0: OpenMP's default (all processors, or OMP_NUM_THREADS)

@@ -1,5 +1,6 @@
-// Errors as values. Every function of the library that can fail returns false or NULL and fills the FfpError
-// passed to it; one that takes an FfpContext leaves it empty when it succeeds.
+// Errors as values. Every function of the library that can fail returns false, NULL or, where it counts
+// something, -1, and fills the FfpError passed to it. One that takes an FfpContext leaves it empty when it
+// succeeds; others do not touch it then, so look at what they return.
 #ifndef FFPROCAMS_ERROR_H
 #define FFPROCAMS_ERROR_H
 
