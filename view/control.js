@@ -101,14 +101,20 @@ const applyControl = attempt(async (app, address, values) => {
   app.controlled = setTimeout(() => app.history.note(), 500);
 });
 
-// Messages as they came: those of a bundle one after the other, others do not wait for the films that one loads.
+let bundled = null; // a promise, until all bundles that have come are done
+
+// Messages in the order in which they came. Those of a bundle wait for each other, and what comes later waits for the bundle;
+// nothing waits for a film that a single message loads.
 function applyEvents(events, apply) {
-  const bundles = new Map();
   for (const {address, values, bundle} of events) {
-    if (bundle === undefined) apply(address, values);
-    else bundles.set(bundle, [...(bundles.get(bundle) || []), () => apply(address, values)]);
+    const work = () => { const done = apply(address, values); return bundle === undefined ? undefined : done; };
+    if (!bundled && bundle === undefined) {
+      work();
+      continue;
+    }
+    const last = bundled = bundled ? bundled.then(work) : Promise.resolve(work());
+    last.then(() => { if (bundled === last) bundled = null; });
   }
-  for (const work of bundles.values()) work.reduce((before, next) => before.then(next), Promise.resolve());
 }
 
 // OSC messages, which the studio receives: asked for again as soon as an answer comes, which waits until there are some.

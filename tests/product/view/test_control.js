@@ -51,13 +51,18 @@ same(checkBindings({'note 1 60': '/go', 'bend 2': '/fade', 'note 1 60; x': '/go'
 for (const wrong of [null, undefined, 3, 'note', []]) same(checkBindings(wrong), {});
 same(Object.keys(checkBindings(Object.fromEntries(Array.from({length: 999}, (_, i) => [`note 1 ${i}`, '/go'])))).length, BINDINGS_MAX);
 
-// A bundle's messages wait for each other, in order; nothing else waits for them.
-const order = [];
-applyEvents([{address: 'slow', bundle: 4}, {address: 'then', bundle: 4}, {address: 'alone'}, {address: 'other', bundle: 9}], (address) => {
+// Messages act in the order in which they came: a bundle's wait for each other, later ones for the bundle, in a later answer too.
+const order = [], act = (address) => {
   const end = () => order.push(address);
-  return address === 'slow' ? new Promise((done) => setTimeout(() => { end(); done(); }, 50)) : end();
-});
+  return address.startsWith('slow') ? new Promise((done) => setTimeout(() => { end(); done(); }, 50)) : end();
+};
+applyEvents([{address: 'slow alone'}, {address: 'first'}, {address: 'at once', bundle: 3}], act);
+same(order, ['first', 'at once']); // nothing waits for a single one, and a bundle begins when it comes
+applyEvents([{address: 'slow', bundle: 4}, {address: 'then', bundle: 4}, {address: 'alone'}, {address: 'other', bundle: 9}], act);
+applyEvents([{address: 'later'}], act);
 setTimeout(() => {
-  same(order, ['alone', 'other', 'slow', 'then']);
+  same(order, ['first', 'at once', 'slow alone', 'slow', 'then', 'alone', 'other', 'later']);
+  applyEvents([{address: 'after all'}], act);
+  same(order.at(-1), 'after all'); // at once again
   console.log('control: all passed');
 }, 200);
