@@ -5,6 +5,7 @@
 const SHIFTED = 0.0015, WATCH_EVERY = 500; // mean shift of the object in a picture, shares of its width; ms from look to look
 const LOST = 2, LOST_ANYWHERE = 3.5;       // times the least difference of photograph and prediction: under this picture, under any
 const ALIKE = 1.5, NOISE = 0.1;            // times the least difference of two photographs of the same; of 255, at least
+const SKIPPED = 4;                         // looks in a row that are content with that: small moves escape it
 
 // The mean distance in a device's picture between points seen from one pose and from another. `project` is the page's.
 function shiftBetween(project, device, from, to, points) {
@@ -26,7 +27,7 @@ function degreesBetween(a, b) {
 // difference under this picture of the show, `share`: the least one per light under any (null: none yet).
 function watchVerdict({camera, projector, difference, light}, {least, share}) {
   const devices = [['camera', camera], ['projector', projector]], moved = devices.filter(([, {pixels, width}]) => pixels > SHIFTED * width);
-  if ((least !== null && difference > LOST * least) || (share !== null && difference > LOST_ANYWHERE * share * light))
+  if ((least !== null && difference > LOST * least) || (share !== null && light > 0 && difference > LOST_ANYWHERE * share * light))
     return {moved: true, found: false, text: 'Something has moved, or the light has changed, and camera and projector could not be found again.'};
   if (!moved.length) return {moved: false, found: true, text: 'Nothing has moved.'};
   const how = devices.map(([name, {degrees, pixels}]) => `${name} by ${degrees.toFixed(2)}°, ${pixels.toFixed(1)} pixels`).join(', ');
@@ -43,7 +44,13 @@ function beginAgain(watching, view, pixels) {
 // True if a photograph, `differs` from the one by which devices were found last, shows that nothing has moved since.
 function looksAlike({seen, apart}, differs) { return seen !== null && apart !== null && differs <= ALIKE * Math.max(apart, NOISE); }
 
-const watching = {on: false, busy: false, view: null, poses: null, pixels: null, least: null, share: null, seen: null, apart: null};
+// True if that spares the search, as it does a few times in a row.
+function sparesSearch(watching, differs) {
+  watching.skipped = looksAlike(watching, differs) && watching.skipped < SKIPPED ? watching.skipped + 1 : 0;
+  return watching.skipped > 0;
+}
+
+const watching = {on: false, busy: false, view: null, poses: null, pixels: null, least: null, share: null, seen: null, apart: null, skipped: 0};
 
 const viewerOf = () => $('viewer').contentWindow;
 
@@ -56,6 +63,17 @@ async function pictureOfShow(page) {
   return {projector, pixels: new Uint32Array(copy.buffer), blob: await new Promise((done) => canvas.toBlob(done, 'image/png'))};
 }
 
+async function smallPhotograph(path) {
+  const answer = await fetch(path);
+  if (!answer.ok) throw new Error(`The photograph ${path} cannot be read (${answer.status}).`);
+  const image = await createImageBitmap(await answer.blob());
+  try {
+    return smallOf(image);
+  } finally {
+    image.close();
+  }
+}
+
 // The one photograph of the set, small; the viewer's projector window shows the picture already.
 async function photographShow(name) {
   let state = await doIt({verb: 'shoot', set: name});
@@ -65,8 +83,7 @@ async function photographShow(name) {
     else await ask(`photograph?set=${name}&number=${number}`, await grab());
     state = studio.state;
   }
-  const answer = await fetch(`file/${name}/${String(number).padStart(3, '0')}.png`);
-  return smallOf(await createImageBitmap(await answer.blob()));
+  return smallPhotograph(`file/${name}/${String(number).padStart(3, '0')}.png`);
 }
 
 async function jobEnds(name) {
@@ -106,7 +123,7 @@ function judge(page, view, projector, {now, left}, small, differs) {
   else if (differs !== null) watching.apart = Math.min(differs, watching.apart ?? differs);
   if (told.moved || !watching.poses) watching.poses = now;
   watching.least = Math.min(left, watching.least ?? left);
-  watching.share = Math.min(left / light, watching.share ?? left / light);
+  if (light > 0) watching.share = Math.min(left / light, watching.share ?? left / light);
   watching.seen = small;
   return told.text;
 }
@@ -124,13 +141,15 @@ async function lookOnce() {
   const when = () => `(${new Date().toLocaleTimeString()}, ${((performance.now() - taken) / 1000).toFixed(1)} s)`;
   beginAgain(watching, view, pixels);
   const differs = watching.seen && difference(watching.seen, small);
-  if (looksAlike(watching, differs)) return `Nothing has moved. ${when()}`;
-  if (watching.apart !== null) $('watch-says').textContent = 'Something has moved, or the light has changed: looking for camera and projector…';
+  const alike = looksAlike(watching, differs);
+  if (sparesSearch(watching, differs)) return `Nothing has moved. ${when()}`;
+  if (watching.apart !== null && !alike) $('watch-says').textContent = 'Something has moved, or the light has changed: looking for camera and projector…';
   return `${judge(page, view, projector, await findDevices(object), small, differs)} ${when()}`;
 }
 
 function setWatch(on) {
   watching.on = on;
+  if (on) watching.least = watching.share = watching.seen = watching.apart = null; // the light may be another one now
   $('watch').textContent = on ? 'Stop watching' : 'Keep watch';
 }
 
