@@ -17,6 +17,7 @@
 #define SEEN 150.0        // of a projector's pixel, for maps of it
 #define PROJECTED 60.0    // of a projector's pixel, for compensation
 #define LOOK (23 * REAL)  // of a pixel: what a look compares (engine/network/look_formula.h)
+#define PICTURE 28.0      // of a picture's pixel: linear and encoded, and as the file has it
 #define SUMMED 24.0       // of a pattern's pixel, with a margin
 #define PULLED 155.0      // of a splat's gradients in its tiles
 
@@ -69,6 +70,13 @@ static double start_bytes(const FfpProblemSize *s, double *besides) {
 
 double ffp_drawing_bytes(double splats, double pixels, int samples) {
     return DRAWN * splats + 25 * REAL * pixels * samples * samples;
+}
+
+double ffp_pictures_bytes(double splats, const FfpCamera *camera, int samples, int rows, int margin,
+                          int pictures) {
+    const double width = camera->width, drawn = fmin(rows + 2 * margin, camera->height) * width;
+    const double smoothed = margin > 0 ? 4 * REAL * drawn : 0; // ffp_resolve_smoothly
+    return PICTURE * width * camera->height * pictures + ffp_drawing_bytes(splats, drawn, samples) + smoothed;
 }
 
 // Of a strip, and of what is kept of its pixels while it is drawn.

@@ -29,6 +29,10 @@ double ffp_reconstruction_bytes(const FfpProblemSize *scale);
 // The bytes that drawing a view takes, without its picture: projected splats, their order in every tile, and
 // G-buffers of samples x samples places per pixel.
 double ffp_drawing_bytes(double splats, double pixels, int samples);
+// Of a view's pictures under several patterns, of which `rows` rows are drawn at once, and with smooth
+// outlines `margin` more above and below (0: they are not).
+double ffp_pictures_bytes(double splats, const FfpCamera *camera, int samples, int rows, int margin,
+                          int pictures);
 
 // The bytes that the maps of a view take: the picture that is kept, and a strip while it is drawn.
 double ffp_maps_bytes(double splats, const FfpView *view, int samples);

@@ -14,9 +14,8 @@
 #include "engine/pipeline/need.h"
 #include "engine/pipeline/picture_job.h"
 #include "engine/pipeline/relight.h"
+#include "engine/render/outline.h"
 #include "engine/render/strip.h"
-
-#define PICTURE_BYTES 28.0 // of a pixel: linear and encoded, and as the file has it
 
 // --- What the files are called. ---
 
@@ -114,12 +113,18 @@ static bool is_in_strips(const FfpPictureJob *job, const FfpView *view) {
     return ffp_strip_rows(&view->camera) < view->camera.height && !job->options->maps;
 }
 
+// Rows that a view's outlines need above and below a strip.
+static int margin_of(const Writer *writer, const FfpView *view) {
+    const FfpRenderSettings settings = ffp_showing_settings(writer->job->options->drawing);
+    const bool smooth = settings.smooth && settings.samples > 1 &&
+                        ffp_outline_deviation(writer->gaussians, &view->camera) > 0;
+    return smooth ? FFP_STRIP_MARGIN : 0;
+}
+
 static double picture_bytes(const Writer *writer, const FfpView *view, int samples, int pictures) {
-    const double pixels = (double)view->camera.width * view->camera.height;
-    const double at_once =
-        is_in_strips(writer->job, view) ? (double)ffp_strip_rows(&view->camera) * view->camera.width : pixels;
-    return PICTURE_BYTES * pixels * pictures +
-           ffp_drawing_bytes((double)writer->gaussians->count, at_once, samples);
+    const int rows = is_in_strips(writer->job, view) ? ffp_strip_rows(&view->camera) : view->camera.height;
+    return ffp_pictures_bytes((double)writer->gaussians->count, &view->camera, samples, rows,
+                              margin_of(writer, view), pictures);
 }
 
 // How many patterns from `first` on a large view is drawn under together: in an orbit it has one of them.
@@ -137,6 +142,7 @@ static int count_together(const Writer *writer, const FfpView *view, int first) 
 static void draw_strips(Writer *writer, const FfpView *view, int first) {
     const FfpCamera *whole = &view->camera;
     const int rows = ffp_strip_rows(whole), count = count_together(writer, view, first);
+    const int margin = margin_of(writer, view);
     FfpGbuffer shadow = {0};
     for (int p = 0; p < count; p++) {
         ffp_image_free(&writer->pictures[p]);
@@ -144,8 +150,8 @@ static void draw_strips(Writer *writer, const FfpView *view, int first) {
     }
     ffp_view_pass_keep_shadow(writer->pass, &shadow);
     for (int top = 0; top < whole->height; top += rows) {
-        const int above = ffp_smaller(top, FFP_STRIP_MARGIN), kept = ffp_smaller(rows, whole->height - top);
-        const FfpCamera strip = ffp_strip_of(whole, top - above, above + kept + FFP_STRIP_MARGIN);
+        const int above = ffp_smaller(top, margin), kept = ffp_smaller(rows, whole->height - top);
+        const FfpCamera strip = ffp_strip_of(whole, top - above, above + kept + margin);
         const size_t row = 3 * (size_t)whole->width;
         ffp_view_pass_draw(writer->pass, writer->gaussians, &strip, &view->projector);
         for (int p = 0; p < count; p++) {

@@ -10,7 +10,9 @@
 #include "engine/pipeline/compensate.h"
 #include "engine/pipeline/correspondence.h"
 #include "engine/pipeline/need.h"
+#include "engine/pipeline/pictures.h"
 #include "engine/pipeline/reconstruct.h"
+#include "scratch.h"
 #include "support.h"
 
 #define SAMPLE FFP_SOURCE_DIR "/data/sample"
@@ -147,8 +149,30 @@ static void compensate(FfpCapture *capture, const FfpGaussians *gaussians, int t
     hold("compensation", &view, before, ffp_compensation_bytes((double)gaussians->count, &views, 1, 2));
 }
 
+// Of strips so low that their margins count.
+static void draw_pictures(FfpCapture *capture, const FfpGaussians *gaussians, int rows, int margin) {
+    const FfpView usual = capture->views[0];
+    FfpView view = finer(capture, 8);
+    view.camera.cx = 20000, view.camera.cy *= 60 / (real)view.camera.height;
+    view.camera.width = 40000, view.camera.height = 60;
+    const FfpPictures options = {.folder = in_scratch("pictures"),
+                                 .views = (const char *const[]){usual.id},
+                                 .n_views = 1,
+                                 .patterns = (const char *const[]){"all_white"},
+                                 .n_patterns = 1};
+    FfpError err = {0};
+    capture->views[0] = view;
+    malloc_trim(0);
+    const double before = ffp_memory_mark();
+    const int written = ffp_pictures_run(gaussians, capture, &options, &err);
+    capture->views[0] = usual;
+    if (written != 1) fail_msg("%s", err.text);
+    hold("pictures", &view, before,
+         ffp_pictures_bytes((double)gaussians->count, &view.camera, 2, rows, margin, 1));
+}
+
 // Of a single view, seen ever more finely: pictures of more than two million pixels are drawn in strips.
-static void test_maps_and_compensation(void **state) {
+static void test_maps_compensation_and_pictures(void **state) {
     (void)state;
     only_without_sanitizers();
     FfpError err = {0};
@@ -157,6 +181,7 @@ static void test_maps_and_compensation(void **state) {
     if (!gaussians) fail_msg("%s", err.text);
     for (int times = 8; times <= 16; times += 4) map(capture, gaussians, times);
     for (int times = 8; times <= 16; times += 8) compensate(capture, gaussians, times);
+    draw_pictures(capture, gaussians, 25, 8);
     ffp_gaussians_free(gaussians);
     ffp_free(gaussians);
     close_capture(capture);
@@ -183,8 +208,9 @@ static void test_what_does_not_fit_is_refused(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_start), cmocka_unit_test(test_network_and_polish),
-        cmocka_unit_test(test_maps_and_compensation), cmocka_unit_test(test_what_does_not_fit_is_refused)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_start),
+                                       cmocka_unit_test(test_network_and_polish),
+                                       cmocka_unit_test(test_maps_compensation_and_pictures),
+                                       cmocka_unit_test(test_what_does_not_fit_is_refused)};
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }
