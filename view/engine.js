@@ -96,7 +96,7 @@ function showProblem(error) {
   $('work').hidden = true;
   $('problem').hidden = false;
   $('why').textContent = error instanceof Message ? error.message : `That did not work: ${error.message}`;
-  if (error.fault && state.fault) $('why').replaceChildren(...findingItem(state.fault).childNodes);
+  if (error.fault && state.fault) $('why').replaceChildren(...faultSaid(error.message, state.fault));
   $('problem').scrollIntoView({ block: 'nearest' });
   if (!(error instanceof Message)) console.warn(error);
 }

@@ -15,4 +15,9 @@ function findingItem(finding) {
   return item;
 }
 
+// The nodes that tell of an error by a finding: its own words, which name the file or view, and the remedy below, not twice.
+function faultSaid(message, finding) {
+  return [finding.advice ? message.replace(`: ${finding.advice}`, '') : message, ...findingItem(finding).children];
+}
+
 const isPassed = (finding) => finding.severity === 'ok';

@@ -142,6 +142,7 @@ async function applyState(app, state, withView) {
   if (withView && app.scene.views[state.view]) {
     app.jump(app.scene.views[state.view], false);
     app.pose = state.pose, app.target = state.target;
+    if (app.show.armed) app.show.seat = app.seat();
     state.projectors.forEach(({window: where}, i) => { if (where) app.projectors[i].window.where = where; });
   }
   for (const what of ['content', 'device', 'settings', 'cues', 'midi']) app.changed(what);

@@ -40,15 +40,21 @@ function polygonOf(points, width, height) {
   return path;
 }
 
-// The same with soft edges, `wide` pixels: the parts are blurred, and what they leave is kept. Where a browser has no blur
-// they stay hard.
+// A part whose points on the box's edge lie outside it: there nothing is cut.
+function reachingOut(points, u, v) {
+  const out = (x, by) => x <= 0 ? x - by : x >= 1 ? x + by : x;
+  return points.map(([x, y]) => [out(x, u), out(y, v)]);
+}
+
+// The same with soft edges where something is cut, `wide` pixels: the parts are blurred, and what they leave is kept. Where a
+// browser has no blur they stay hard.
 function paintFeathered(context, source, parts, wide, width, height) {
   const [w, h] = [width, height].map((side) => clamp(Math.ceil(side), 1, WARP_MAX)), whole = scratch('feathered', w, h), mask = scratch('mask', w, h);
   source.paint(whole, w, h);
   for (const points of parts) {
     mask.clearRect(0, 0, w, h);
     mask.filter = `blur(${wide * Math.max(w / width, h / height) / 4}px)`; // four deviations
-    mask.fill(polygonOf(points, w, h));
+    mask.fill(polygonOf(reachingOut(points, wide / width, wide / height), w, h));
     mask.filter = 'none';
     whole.globalCompositeOperation = 'destination-in';
     whole.drawImage(mask.canvas, 0, 0);

@@ -10,12 +10,12 @@ layout(location = 0) out vec4 o_picture;
 
 vec4 mean_at(ivec2 p) { return texelFetch(u_mean, clamp(p, ivec2(0), ivec2(u_size) - 1), 0); }
 
-// Whole or empty, and so is what lies around it.
+// Whole or empty, and so is what lies around it: as far as is looked, and half as far.
 bool is_even(ivec2 p, vec4 mean, int reach) {
   if (mean.w < WHOLE && mean.w >= OPACITY_MIN) return false;
-  for (int k = 0; k < 8; k++) {
-    int n = k < 4 ? k : k + 1;
-    float other = mean_at(p + reach * ivec2(n % 3 - 1, n / 3 - 1)).w;
+  for (int k = 0; k < 16; k++) {
+    int n = k % 8 < 4 ? k % 8 : k % 8 + 1, away = k < 8 ? reach : (reach + 1) / 2;
+    float other = mean_at(p + away * ivec2(n % 3 - 1, n / 3 - 1)).w;
     if (mean.w >= WHOLE ? other < WHOLE : other >= OPACITY_MIN) return false;
   }
   return true;

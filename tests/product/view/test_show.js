@@ -12,8 +12,8 @@ Object.assign(globalThis, {
 for (const name of ['math', 'place', 'layers', 'contents', 'control', 'history', 'keep', 'show', 'findings'])
   runInThisContext(fs.readFileSync(path.join(__dirname, `../../../view/${name}.js`), 'utf8'), {filename: `${name}.js`});
 const {Show, checkCue, checkState, checkLayers, checkWindow, sizeInHead, sizeOfFile, checkSize, Message, SolidContent, Layer, describeLayers, findingItem, isPassed, newPlace, PROJECTORS_MAX, LAYERS_MAX,
-  CUES_MAX, FADE_MAX, FOLLOW_MAX, MASK_MAX} = runInThisContext('({Show, checkCue, checkState, checkLayers, checkWindow, sizeInHead, sizeOfFile, checkSize, Message, SolidContent, Layer, describeLayers, findingItem, '
-  + 'isPassed, newPlace, PROJECTORS_MAX, LAYERS_MAX, CUES_MAX, FADE_MAX, FOLLOW_MAX, MASK_MAX})');
+  CUES_MAX, FADE_MAX, FOLLOW_MAX, MASK_MAX, applyState, reachingOut, faultSaid} = runInThisContext('({Show, checkCue, checkState, checkLayers, checkWindow, sizeInHead, sizeOfFile, checkSize, Message, SolidContent, Layer, describeLayers, findingItem, '
+  + 'isPassed, newPlace, PROJECTORS_MAX, LAYERS_MAX, CUES_MAX, FADE_MAX, FOLLOW_MAX, MASK_MAX, applyState, reachingOut, faultSaid})');
 const refuses = (work, field) => assert.throws(work, (error) => error instanceof Message && error.message.includes(field), field);
 
 // --- The sizes that picture files give. ---
@@ -50,6 +50,8 @@ for (const [changes, field] of [[{place: {...place, turn: 'round'}}, 'layers: tu
   [{place: {...place, pull: [[0, 0]]}}, 'four corners'], [{place: {...place, pull: [[0.9, 0.9], [0, 0], [0, 0], [0, 0]]}}, 'folds'], [{place: {...place, crop: [0, 0, 2, 0]}}, 'layers: crop'],
   [{place: {...place, mask: new Array(MASK_MAX + 1).fill([0, 0])}}, 'layers: mask'], [{film: {volume: 7}}, 'layers: volume']]) refuses(() => layered(changes), field);
 refuses(() => checkLayers({layers: new Array(LAYERS_MAX + 1).fill(layer())}), 'layers');
+// Points on the box's edge go outwards, where a soft edge would show that is not cut.
+assert.deepStrictEqual(reachingOut([[0.25, 0], [1, 0], [1, 1], [0.25, 1]], 0.5, 2), [[0.25, -2], [1.5, -2], [1.5, 3], [0.25, 3]]);
 refuses(() => checkWindow({left: 0, top: 0, width: 0, height: 9}), 'window: width');
 
 // --- A show: an app of two projectors whose layers come when the test says so. ---
@@ -121,6 +123,16 @@ process.exitCode = 1; // until all of it has run: a promise that nothing resolve
   assert.deepStrictEqual(show.seat, {pose: 'aside'});
   await fade(show.go());
   assert.deepStrictEqual(show.seat, {pose: 'elsewhere'});
+
+  // A stage that is loaded brings its own; undo leaves the view, and the seat with it.
+  const worn = {projectors: [], selected: 0, exposure: 0, ambient: true, black: 0, cues: [], midi: {}, view: 0, pose: 'stage', target: [0, 0, 0]};
+  const open = {...app, show, midi: {}, projectors: [], select() {}, endComparison() {}, jump() {}, seat: () => ({pose: open.pose})};
+  open.scene = {views: [{id: 'first'}]}, open.pose = 'around';
+  await applyState(open, worn, false);
+  assert.deepStrictEqual(show.seat, {pose: 'elsewhere'});
+  await applyState(open, worn, true);
+  assert.deepStrictEqual(show.seat, {pose: 'stage'});
+  happened();
   show.arm(false);
   assert.deepStrictEqual([show.seat, happened()], [null, ['drawn']]);
 
@@ -130,6 +142,11 @@ process.exitCode = 1; // until all of it has run: a promise that nothing resolve
     ['doubt', 'few-views', 'Views, view v2: seen from one side', [['remedy', 'photograph all around']]]);
   const plain = findingItem({code: 'views', severity: 'ok', subject: 'views', text: 'eight'});
   assert.deepStrictEqual([plain.textContent, plain.children.length, isPassed({severity: 'ok'}), isPassed({severity: 'note'})], ['Views: eight', 0, true, false]);
+
+  const exchanged = {code: 'exchanged', severity: 'fault', subject: 'photographs', view: 'v2', text: 'black and white are exchanged', advice: 'exchange their files'};
+  const [words, remedy, ...more] = faultSaid('v2: black and white are exchanged: exchange their files a line of the log', exchanged);
+  assert.deepStrictEqual([words, remedy.textContent, more], ['v2: black and white are exchanged a line of the log', 'exchange their files', []]);
+  assert.deepStrictEqual(faultSaid('a/b.png: too small', {severity: 'fault', subject: 'photographs', text: 'too small'}), ['a/b.png: too small']);
 
   // --- JPEG: its size comes after segments of any length. ---
   const jpeg = bytes([0xff, 0xd8], [0xff, 0xe1, 0x4e, 0x22], new Array(20000).fill(7), [0xff, 0xff, 0xc2, 0, 17, 8, 0, 7, 1, 2]);

@@ -609,6 +609,16 @@ PART = """((left, top, right, bottom) => { viewer.updatePatterns();
     return sum.map((value) => Math.round(value / n)); })"""
 
 
+def check_uncut(check, page):
+    """A soft crop on the left leaves the other sides, and the corners between them, as they are."""
+    shares = page.run("""(() => {
+        const context = makeCanvas(100, 80).getContext('2d', {willReadFrequently: true});
+        paintCut(context, {source: new SolidContent('#ffffff'), place: {...newPlace(), crop: [0.2, 0, 0, 0], feather: 0.2}}, 100, 80);
+        return [[5, 40], [20, 40], [99, 0], [99, 40], [99, 79], [60, 0], [20, 79]].map(([x, y]) => context.getImageData(x, y, 1, 1).data[3]);
+    })()""")
+    check("sides that are not cut are not soft", shares[0] < 5 and abs(shares[1] - 128) < 30 and min(shares[2:6]) > 250 and abs(shares[6] - shares[1]) < 5, f"{shares}")
+
+
 def check_place(check, page):
     """Layers are placed by their handles and by numbers, and the projector's picture has them there."""
     page.resize(1280, 800)
@@ -663,6 +673,7 @@ def check_place(check, page):
     page.run("(() => { const input = document.querySelector('#numbers [aria-label^=\"Soft edge\"]'); input.value = 40; input.dispatchEvent(new Event('input', {bubbles: true})); })()")
     soft = [mean(at, 0.49, at + 0.01, 0.51)[0] for at in (0.35, 0.47, 0.495, 0.52, 0.65)]
     check("the edge of a mask is soft", soft[0] < 5 and 20 < soft[1] < soft[2] < soft[3] < 235 and abs(soft[2] - 128) < 20 and soft[4] > 250, f"{soft}")
+    check_uncut(check, page)
     page.click("#reset-place")
     page.click("#fit-object")
     part = page.run("(() => { const {width, height} = viewer.projector.device, corners = cornersOf(viewer.projector.layer.frame(width, height)); return [0, 2].flatMap((k) => [corners[k][0] / width, corners[k][1] / height]); })()")
