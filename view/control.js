@@ -104,11 +104,11 @@ const applyControl = attempt(async (app, address, values) => {
 let bundled = null; // a promise, until all bundles that have come are done
 
 // Messages in the order in which they came. Those of a bundle wait for each other, and what comes later waits for the bundle;
-// nothing waits for a film that a single message loads.
+// nothing waits for a film that a single message loads, and a blackout for nothing.
 function applyEvents(events, apply) {
   for (const {address, values, bundle} of events) {
     const work = () => { const done = apply(address, values); return bundle === undefined ? undefined : done; };
-    if (!bundled && bundle === undefined) {
+    if (bundle === undefined && (!bundled || address === '/blackout')) {
       work();
       continue;
     }

@@ -59,9 +59,10 @@ const order = [], act = (address) => {
 applyEvents([{address: 'slow alone'}, {address: 'first'}, {address: 'at once', bundle: 3}], act);
 same(order, ['first', 'at once']); // nothing waits for a single one, and a bundle begins when it comes
 applyEvents([{address: 'slow', bundle: 4}, {address: 'then', bundle: 4}, {address: 'alone'}, {address: 'other', bundle: 9}], act);
-applyEvents([{address: 'later'}], act);
+applyEvents([{address: 'later'}, {address: '/blackout'}], act);
+same(order, ['first', 'at once', '/blackout']);
 setTimeout(() => {
-  same(order, ['first', 'at once', 'slow alone', 'slow', 'then', 'alone', 'other', 'later']);
+  same(order, ['first', 'at once', '/blackout', 'slow alone', 'slow', 'then', 'alone', 'other', 'later']);
   applyEvents([{address: 'after all'}], act);
   same(order.at(-1), 'after all'); // at once again
   console.log('control: all passed');
