@@ -8,6 +8,7 @@
 #include "rig/masks/masks.h"
 
 #define LATE_TIMES 1.5     // brighter than any other photograph: what must be white itself
+#define SWAPPED_EVEN 0.4   // of the most that is taken: what is taken on average (0.29; by a lamp 0.49)
 #define SWAPPED_TIMES 10   // as much light as white adds, it takes away, and
 #define SWAPPED_LEAST 1e-3 // so much of full scale in the mean: white is black
 
@@ -49,15 +50,20 @@ static bool tell_late(const FfpImporting *import, int stop, FfpError *err) {
                        err);
 }
 
-// True if white is darker than black, as only exchanged photographs are.
+// True if white is darker than black by different amounts, as exchanged photographs are. A lamp that
+// went out in between takes much the same everywhere; the check of all views reports it.
 static bool is_swapped(const FfpImage *black, const FfpImage *white) {
     const ptrdiff_t values = 3 * (ptrdiff_t)white->width * white->height;
-    double added = 0, taken = 0;
+    double added = 0, taken = 0, most = 0;
+    ptrdiff_t darker = 0;
     for (ptrdiff_t i = 0; i < values; i++) {
         const double by = (double)(white->data[i] - black->data[i]);
         *(by > 0 ? &added : &taken) += fabs(by);
+        darker += by < 0;
+        most = fmax(most, -by);
     }
-    return taken > SWAPPED_TIMES * added && taken > SWAPPED_LEAST * (double)values;
+    return taken < SWAPPED_EVEN * most * (double)darker && taken > SWAPPED_TIMES * added &&
+           taken > SWAPPED_LEAST * (double)values;
 }
 
 // The mask as it was asked for: later, from the empty stage; a file; otherwise the white picture's alpha
