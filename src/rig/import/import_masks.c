@@ -8,7 +8,6 @@
 #include "rig/masks/masks.h"
 
 #define LATE_TIMES 1.5     // brighter than any other photograph: what must be white itself
-#define SWAPPED_EVEN 0.4   // of the most that is taken: what is taken on average (0.29; by a lamp 0.49)
 #define SWAPPED_TIMES 10   // as much light as white adds, it takes away, and
 #define SWAPPED_LEAST 1e-3 // so much of full scale in the mean: white is black
 
@@ -50,20 +49,21 @@ static bool tell_late(const FfpImporting *import, int stop, FfpError *err) {
                        err);
 }
 
-// True if white is darker than black by different amounts, as exchanged photographs are. A lamp that
-// went out in between takes much the same everywhere; the check of all views reports it.
-static bool is_swapped(const FfpImage *black, const FfpImage *white) {
+// True if white is darker than black and than a pattern, as exchanged photographs are. Where a lamp was on
+// under black alone, white is still the lightest picture that the projector shows: the check of all views
+// reports it.
+static bool is_swapped(const FfpShots *shots, const FfpImage *images) {
+    const FfpImage *black = &images[shots->black], *white = &images[shots->white];
     const ptrdiff_t values = 3 * (ptrdiff_t)white->width * white->height;
     double added = 0, taken = 0, most = 0;
-    ptrdiff_t darker = 0;
     for (ptrdiff_t i = 0; i < values; i++) {
         const double by = (double)(white->data[i] - black->data[i]);
         *(by > 0 ? &added : &taken) += fabs(by);
-        darker += by < 0;
-        most = fmax(most, -by);
     }
-    return taken < SWAPPED_EVEN * most * (double)darker && taken > SWAPPED_TIMES * added &&
-           taken > SWAPPED_LEAST * (double)values;
+    for (int p = 0; p < shots->n_patterns; p++)
+        if (images[p].data && p != shots->black) most = fmax(most, ffp_image_mean(&images[p]));
+    return taken > SWAPPED_TIMES * added && taken > SWAPPED_LEAST * (double)values &&
+           most > ffp_image_mean(white);
 }
 
 // The mask as it was asked for: later, from the empty stage; a file; otherwise the white picture's alpha
@@ -74,7 +74,7 @@ bool ffp_importing_cover(FfpImporting *import, int stop, const FfpImage *alphas,
     FfpView *view = &import->capture.views[stop];
     const bool by_alpha = !shots->masks && !shots->empty && import->settings->masks == FFP_MASKS_FROM_ALPHA &&
                           alphas[shots->white].data != NULL;
-    if (is_swapped(&view->images[shots->black], &view->images[shots->white]))
+    if (is_swapped(shots, view->images))
         return ffp_fail_by(FFP_RULE_PLAIN_SWAPPED, &(FfpFacts){0},
                            shots->pictures[stop * FFP_PATTERNS_MAX + shots->white], err);
     if (shots->empty) {
