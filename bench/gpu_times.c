@@ -19,6 +19,7 @@
 #include "engine/render/pass.h"
 #include "lab/train/mirror.h"
 #include "tests/ball.h"
+#include "tests/random_perceptual.h"
 
 enum { REPEATS = 15, WARM = 3, PICTURES = 3 };
 
@@ -251,24 +252,12 @@ static void perceptual(void *losses) {
     ffp_perceptual_loss(l->net, &l->a, &l->b, 1, &l->grad);
 }
 
-static FfpPerceptual *random_network(FfpPerceptualKind kind) {
-    FfpPerceptual *net = ffp_perceptual_new(kind);
-    FfpRng rng = ffp_rng(5, kind);
-    for (int i = 0; i < net->layer_count; i++) {
-        const FfpLayer *layer = &net->layers[i];
-        const int fan = layer->in * layer->kernel * layer->kernel;
-        for (int k = 0; !layer->is_pool && k < fan * layer->out; k++)
-            layer->weight[k] = ffp_rng_range(&rng, -2, 2) / (real)fan;
-    }
-    return net;
-}
-
 static void time_losses(void) {
     const int side = tiny ? 33 : 128;
     const size_t count = 3 * (size_t)side * side;
     FfpImage images[3];
     for (int i = 0; i < 3; i++) images[i] = (FfpImage){side, side, 3, numbers(count, (uint64_t)i + 1, 0, 1)};
-    Losses l = {images[0], images[1], images[2], random_network(FFP_PERCEPTUAL_SQUEEZE)};
+    Losses l = {images[0], images[1], images[2], random_perceptual(FFP_PERCEPTUAL_SQUEEZE)};
     report("SSIM and its gradient", ssim, &l, 20);
     report("LPIPS (SqueezeNet) and its gradient", perceptual, &l, 5);
     ffp_perceptual_free(l.net);

@@ -7,6 +7,7 @@
 #include "engine/cuda/perceptual_conv.h"
 #include "engine/loss/metrics.h"
 #include "engine/loss/perceptual_net.h"
+#include "random_perceptual.h"
 #include "support.h"
 
 enum { INPUTS = 4, GRADS = 2 };
@@ -346,28 +347,6 @@ static void test_nothing_counts(void **state) {
 
 // --- Perceptual networks. ---
 
-static void fill(real *values, size_t count, FfpRng *rng, float low, float high) {
-    for (size_t i = 0; i < count; i++) values[i] = ffp_rng_range(rng, low, high);
-}
-
-// Weights of the size that keeps activations' variance through a ReLU (He et al. 2015), some bias, positive
-// heads.
-static FfpPerceptual *random_network(FfpPerceptualKind kind) {
-    FfpPerceptual *net = ffp_perceptual_new(kind);
-    FfpRng rng = ffp_rng(5, kind);
-    for (int i = 0; i < net->layer_count; i++) {
-        FfpLayer *layer = &net->layers[i];
-        if (layer->is_pool) continue;
-        const int fan = layer->in * layer->kernel * layer->kernel;
-        const float limit = sqrtf(6.0F / (float)fan);
-        fill(layer->weight, (size_t)fan * layer->out, &rng, -limit, limit);
-        fill(layer->bias, layer->out, &rng, -0.1F, 0.1F);
-    }
-    for (int i = 0; i < net->tap_count; i++)
-        if (net->taps[i].head) fill(net->taps[i].head, net->channels[net->taps[i].slot], &rng, 0, 1);
-    return net;
-}
-
 static double perceptual(const Problem *p, real *const *input, real *const *grad) {
     const FfpImage a = picture(p, input[0]), b = {p->width, p->height, 3, input[1]};
     FfpImage g = picture(p, grad[0]);
@@ -394,7 +373,7 @@ static void test_perceptual(void **state) {
     if (!device) skip();
     const int sizes[][2] = {{39, 35}, {23, 27}, {13, 9}};
     for (int kind = FFP_PERCEPTUAL_ALEX; kind <= FFP_PERCEPTUAL_VGG16; kind++) {
-        FfpPerceptual *net = random_network(kind);
+        FfpPerceptual *net = random_perceptual(kind);
         check_network(net, sizes[kind][0], sizes[kind][1], 3 + kind % 2);
         if (getenv("FFP_LARGE")) check_network(net, 128, 128, 3), check_network(net, 253, 131, 3);
         Problem p = new_problem(40, ffp_perceptual_least_side(net) - 1, 3);

@@ -2,33 +2,12 @@
 #include "core/base/alloc.h"
 #include "engine/loss/perceptual_net.h"
 #include "gradcheck.h"
+#include "random_perceptual.h"
 
 typedef struct Case {
     FfpPerceptual *net;
     FfpImage a, b;
 } Case;
-
-static void fill(real *values, size_t count, FfpRng *rng, float low, float high) {
-    for (size_t i = 0; i < count; i++) values[i] = ffp_rng_range(rng, low, high);
-}
-
-// Weights of the size that keeps activations' variance through a ReLU (He et al. 2015), some bias, positive
-// heads.
-static FfpPerceptual *random_network(FfpPerceptualKind kind) {
-    FfpPerceptual *net = ffp_perceptual_new(kind);
-    FfpRng rng = ffp_rng(5, kind);
-    for (int i = 0; i < net->layer_count; i++) {
-        FfpLayer *layer = &net->layers[i];
-        if (layer->is_pool) continue;
-        const int fan = layer->in * layer->kernel * layer->kernel;
-        const float limit = sqrtf(6.0F / (float)fan);
-        fill(layer->weight, (size_t)fan * layer->out, &rng, -limit, limit);
-        fill(layer->bias, layer->out, &rng, -0.1F, 0.1F);
-    }
-    for (int i = 0; i < net->tap_count; i++)
-        if (net->taps[i].head) fill(net->taps[i].head, net->channels[net->taps[i].slot], &rng, 0, 1);
-    return net;
-}
 
 static double distance(void *context) {
     const Case *c = context;
@@ -37,7 +16,7 @@ static double distance(void *context) {
 
 static void check_network(FfpPerceptualKind kind, int width, int height, int every) {
     const int values = width * height * 3;
-    Case c = {.net = random_network(kind),
+    Case c = {.net = random_perceptual(kind),
               .a = {width, height, 3, random_values(values, 1, 0, 1)},
               .b = {width, height, 3, random_values(values, 2, 0, 1)}};
     FfpImage grad = {width, height, 3, new_gradient(values)};
@@ -72,7 +51,7 @@ static void test_least_side(void **state) {
     (void)state;
     const int least[] = {31, 17, 2};
     for (int kind = FFP_PERCEPTUAL_ALEX; kind <= FFP_PERCEPTUAL_VGG16; kind++) {
-        FfpPerceptual *net = random_network(kind);
+        FfpPerceptual *net = random_perceptual(kind);
         const int side = ffp_perceptual_least_side(net);
         assert_int_equal(side, least[kind]);
         assert_int_equal(ffp_perceptual_is_lpips(net), kind != FFP_PERCEPTUAL_VGG16);

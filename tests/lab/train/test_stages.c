@@ -5,6 +5,7 @@
 #include "engine/loss/perceptual_net.h"
 #include "engine/render/pass.h"
 #include "lab/train/train.h"
+#include "random_perceptual.h"
 #include "scratch.h"
 
 enum { LATER = 1000, WHITE_FROM = 40, ACTIVE_FROM = 70 };
@@ -24,21 +25,8 @@ typedef struct Bench {
     real *grad;
 } Bench;
 
-// VGG16 with random weights: a measure of pictures like any other.
-static FfpPerceptual *random_network(void) {
-    FfpPerceptual *net = ffp_perceptual_new(FFP_PERCEPTUAL_VGG16);
-    FfpRng rng = ffp_rng(9, 0);
-    for (int i = 0; i < net->layer_count; i++) {
-        FfpLayer *layer = &net->layers[i];
-        if (layer->is_pool) continue;
-        const int count = layer->out * layer->in * layer->kernel * layer->kernel;
-        for (int k = 0; k < count; k++) layer->weight[k] = ffp_rng_range(&rng, -0.1F, 0.1F);
-    }
-    return net;
-}
-
 static Bench open_bench(void) {
-    Bench b = {.perceptual = random_network()};
+    Bench b = {.perceptual = random_perceptual(FFP_PERCEPTUAL_VGG16)};
     FfpError err = {0};
     if (!ffp_train_config_parse(&b.config, one_view, "one_view", &err) ||
         !ffp_scene_open(&b.scene, &b.config, NULL, "train", 0, &err))

@@ -4,6 +4,7 @@
 #include <string.h>
 #include "core/base/rng.h"
 #include "engine/loss/perceptual_net.h"
+#include "random_perceptual.h"
 #include "small.h"
 #include "support.h"
 
@@ -141,23 +142,11 @@ static void test_losses_of_pictures(void **state) {
     assert_false(ffp_picture_loss(NULL, &nothing, &loss, &err));
 }
 
-static FfpPerceptual *random_network(void) {
-    FfpPerceptual *net = ffp_perceptual_new(FFP_PERCEPTUAL_VGG16);
-    FfpRng rng = ffp_rng(6, 1);
-    for (int i = 0; i < net->layer_count; i++) {
-        const FfpLayer *layer = &net->layers[i];
-        const int fan = layer->in * layer->kernel * layer->kernel;
-        for (int k = 0; !layer->is_pool && k < fan * layer->out; k++)
-            layer->weight[k] = ffp_rng_range(&rng, -2, 2) / (real)fan;
-    }
-    return net;
-}
-
 static void test_the_perceptual_term(void **state) {
     (void)state;
     static float pictures[VALUES], targets[VALUES], gradients[VALUES], moved[VALUES];
     FfpRng rng = ffp_rng(7, 1);
-    FfpPerceptual *net = random_network();
+    FfpPerceptual *net = random_perceptual(FFP_PERCEPTUAL_VGG16);
     FfpPictureLoss how = {.count = N,
                           .width = W,
                           .height = H,
