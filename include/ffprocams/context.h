@@ -75,11 +75,12 @@ typedef struct FfpContextSettings {
     int threads;       // number to use; 0: OpenMP's default (all processors, or OMP_NUM_THREADS)
     FfpDeviceKind device;
     const FfpRanks *ranks; // must outlive the context; NULL: a single process
-    // Where calls get the memory of their work and results: `bytes` bytes, aligned to `alignment`, or NULL if
-    // there are none. `release` gives a block back, and may be called until the last handle or text that such
-    // a call returned is closed. Any thread of the library calls them. Both or neither (the C library's). Not
-    // for what other libraries take (OpenBLAS, OpenMP, image formats, the GPU's memory), the few words that
-    // note what a call holds, and buffers that a thread keeps from call to call.
+    // Where calls get the memory of their work and results: `bytes`, a multiple of `alignment`, aligned to
+    // it, or NULL if there are none. `release` gives a block back, and may be called until the last handle or
+    // text that such a call returned is closed. Any thread of the library calls them. Both or neither (the C
+    // library's). Not for what other libraries take (OpenBLAS, OpenMP, image formats, the GPU's memory), the
+    // library's own bookkeeping, the contents that ffp_gaussians_bytes and ffp_model_bytes gather, and
+    // buffers that a thread keeps from call to call.
     void *(*allocate)(void *user, size_t alignment, size_t bytes);
     void (*release)(void *user, void *memory);
 } FfpContextSettings;

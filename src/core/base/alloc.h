@@ -25,7 +25,7 @@ void *ffp_try_take(size_t count, size_t size);
 void *ffp_grow(void *memory, size_t count, size_t size);
 void *ffp_try_grow(void *memory, size_t count, size_t size);
 // Gives back the end of a block of which count * size bytes are kept: in place, unless the allocator moves
-// it; a block of the caller's own stays as it is.
+// it; a block from the caller's allocator stays as it is.
 void *ffp_shrink(void *memory, size_t count, size_t size);
 // Ends the call as ffp_alloc does: for functions that can fail only for lack of memory.
 void ffp_no_memory(size_t bytes);

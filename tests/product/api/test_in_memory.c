@@ -1,4 +1,4 @@
-// Files that are bytes in the caller's memory, and memory that is the caller's own.
+// Files that are bytes in the caller's memory, and memory from the caller's allocator.
 #include <stdatomic.h>
 #include <stdlib.h>
 #include "core/base/file.h"
