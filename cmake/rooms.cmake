@@ -41,7 +41,7 @@ ffp_room(apply DEPS loss render gaussians tensor capture image numerics base)
 # what the calls of the public headers do, from end to end: reconstruct, draw pictures, and what it takes
 ffp_room(pipeline CALLS DEPS align apply refine render network match denoise gaussians capture image numerics base)
 # the GPU: kernels of the numeric rooms, and their emulation for tests
-ffp_room(cuda IN cuda.cmake DEPS refine loss network render tensor image base)
+ffp_room(cuda IN cuda.cmake DEPS refine loss network render match tensor image base)
 
 ffp_wing(rig) # from a bare projector and a camera to a capture
 # what can be wrong, in words: the rules, and how a finding is told

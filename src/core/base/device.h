@@ -1,6 +1,6 @@
 // Devices: where arrays are stored and which processor works on them, the interface to a GPU. A thread works
 // on the CPU unless it chooses a device. While it works on a device, the rooms' functions that dispatch
-// (tensor, render, loss, network, refine: their headers say which) take pointers to that device's memory, and
+// (tensor, match, render, loss, network, refine: their headers say which) take pointers to that device's memory, and
 // memory is allocated there. Structs (images, G-buffers, Gaussians, cameras) stay on the host: only the
 // arrays they point to move.
 #ifndef FFP_BASE_DEVICE_H
@@ -23,6 +23,7 @@ typedef struct FfpDevice {
     // The rooms' functions on this device; the types are the rooms' own.
     const struct FfpKernels *tensor;
     const struct FfpImageTable *image;
+    const struct FfpMatchTable *match;
     const struct FfpRenderTable *render;
     const struct FfpLossTable *loss;
     const struct FfpNetworkTable *network;

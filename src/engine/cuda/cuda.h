@@ -21,6 +21,7 @@ void ffp_cuda_memory_ends(long long count);
 
 extern const struct FfpKernels ffp_cuda_tensor;
 extern const struct FfpImageTable ffp_cuda_image;
+extern const struct FfpMatchTable ffp_cuda_match;
 extern const struct FfpRenderTable ffp_cuda_render;
 extern const struct FfpLossTable ffp_cuda_loss;
 extern const struct FfpNetworkTable ffp_cuda_network;

@@ -17,6 +17,7 @@ static const FfpDevice device = {
     .synchronise = ffp_cuda_synchronise,
     .tensor = &ffp_cuda_tensor,
     .image = &ffp_cuda_image,
+    .match = &ffp_cuda_match,
     .render = &ffp_cuda_render,
     .loss = &ffp_cuda_loss,
     .network = &ffp_cuda_network,

@@ -7,9 +7,7 @@
 #include "engine/match/line.h"
 #include "engine/match/sweep.h"
 
-// 1 where any coverage is within a pixel, and around the frame's edge: [h,w] of the frame, and one more 1 for
-// what is outside it.
-static unsigned char *widen(const FfpView *view) {
+unsigned char *ffp_hull_widened(const FfpView *view) {
     const FfpImage *coverage = &view->coverage;
     const size_t width = (size_t)ffp_frame_width(view), height = (size_t)ffp_frame_height(view),
                  stride = (size_t)coverage->width, area = width * height;
@@ -57,7 +55,7 @@ void ffp_hull(unsigned char *inside, const FfpCapture *capture, int view, const 
         const int other = asked.view[k];
         if (other == view) continue;
         const FfpView *seer = &capture->views[other];
-        unsigned char *wide = widen(seer);
+        unsigned char *wide = ffp_hull_widened(seer);
         for (size_t slot = 0; slot < foreground->count; slot++) {
             const real x = (real)(foreground->pixel[slot] % width) + 0.5F,
                        y = (real)(foreground->pixel[slot] / width) + 0.5F;

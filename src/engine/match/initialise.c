@@ -14,6 +14,7 @@
 #include "engine/match/material.h"
 #include "engine/match/observe.h"
 #include "engine/match/reduce.h"
+#include "engine/match/search_there.h"
 #include "engine/match/sweep.h"
 
 #define SUPPORT 2 // other views that must agree with a depth in a scene that no pattern told
@@ -125,14 +126,36 @@ typedef struct Matching {
     const FfpBlurred *blurred;
     const FfpStereo *stereo; // of a whole scene
     const FfpMatchSettings *settings;
+    FfpObservation *observed; // [views] for a device
 } Matching;
+
+static FfpObservation observe(const Matching *m, int view) {
+    const size_t area = (size_t)m->initial->width * (size_t)m->initial->height;
+    FfpObservation observed = ffp_observe(m->capture, view, m->patterns, m->n_patterns);
+    memcpy(m->initial->lit + (size_t)view * area, observed.lit, area * sizeof(real));
+    return observed;
+}
+
+static void observe_one(void *argument, int64_t view) {
+    const Matching *m = argument;
+    m->observed[view] = observe(m, (int)view);
+}
+
+static void match_there(Matching *m) {
+    const size_t views = (size_t)m->capture->n_views;
+    m->observed = ffp_alloc(views, sizeof *m->observed);
+    ffp_parallel_for(m->capture->n_views, 0, observe_one, m);
+    ffp_search_there(m->depths->depth, m->depths->trust, m->range, m->hulls, m->capture, m->observed,
+                     m->blurred, m->settings);
+    for (size_t v = 0; v < views; v++) ffp_observation_free(&m->observed[v]);
+    ffp_free(m->observed);
+}
 
 static void match_one(void *argument, int64_t index) {
     const Matching *m = argument;
     const int v = (int)index;
     const size_t area = (size_t)m->initial->width * (size_t)m->initial->height;
-    FfpObservation observed = ffp_observe(m->capture, v, m->patterns, m->n_patterns);
-    memcpy(m->initial->lit + (size_t)v * area, observed.lit, area * sizeof(real));
+    FfpObservation observed = observe(m, v);
     real *depth = m->depths->depth + (size_t)v * area, *trust = m->depths->trust + (size_t)v * area;
     if (m->capture->scene)
         ffp_match_scene_view(depth, trust, m->stereo, v, &observed, m->blurred, m->settings);
@@ -155,9 +178,11 @@ static void match(FfpInitialisation *initial, const FfpCapture *capture, const i
     unsigned char **hulls = ffp_alloc((size_t)initial->views, sizeof *hulls);
     FfpStereo stereo = {0};
     if (capture->scene) stereo = ffp_stereo_new(capture, patterns[0]);
-    ffp_parallel_for(
-        capture->n_views, threads, match_one,
-        &(Matching){initial, &depths, range, hulls, capture, patterns, n, &blurred, &stereo, settings});
+    Matching m = {initial, &depths, range, hulls, capture, patterns, n, &blurred, &stereo, settings, NULL};
+    if (ffp_can_search_there(capture, settings))
+        match_there(&m);
+    else
+        ffp_parallel_for(capture->n_views, threads, match_one, &m);
     ffp_stereo_free(&stereo);
     ffp_blurred_free(&blurred);
     ffp_reject_inconsistent(&depths);

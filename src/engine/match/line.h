@@ -12,7 +12,7 @@ typedef struct FfpLine {
 } FfpLine;
 
 // The ray through pixel position (x, y) of `camera`, at camera depth z, seen from `device`.
-static inline FfpLine ffp_line(const FfpCamera *camera, real x, real y, const FfpCamera *device) {
+FFP_FORMULA FfpLine ffp_line(const FfpCamera *camera, real x, real y, const FfpCamera *device) {
     const real local[3] = {(x - camera->cx) / camera->fx, (y - camera->cy) / camera->fy, 1};
     const real eye[3] = {camera->pose[3], camera->pose[7], camera->pose[11]};
     real direction[3], a[3], b[3];
@@ -35,12 +35,17 @@ static inline real ffp_line_at(const FfpLine *line, real z, real *u, real *v) {
     return w;
 }
 
-#define FFP_MATCH_LANES 16 // hypotheses, or pixels of a row, that the inner loops take at a time
+// Hypotheses, or pixels of a row, that the inner loops take at a time; of a GPU's threads each takes one.
+#ifdef __cplusplus
+#define FFP_MATCH_LANES 1
+#else
+#define FFP_MATCH_LANES 16
+#endif
 
 // Positions at the depths first + (from + n) step, n < FFP_MATCH_LANES; -1 where they are behind either
 // device. With u, v, w turned round in the line, and inverse depths, it is the same line.
-static inline void ffp_line_positions(const FfpLine *line, real first, real step, int from,
-                                      real u[FFP_MATCH_LANES], real v[FFP_MATCH_LANES]) {
+FFP_FORMULA void ffp_line_positions(const FfpLine *line, real first, real step, int from,
+                                    real u[FFP_MATCH_LANES], real v[FFP_MATCH_LANES]) {
     for (int n = 0; n < FFP_MATCH_LANES; n++) {
         const real z = first + (real)(from + n) * step, w = line->w[0] + line->w[1] * z;
         const bool front = (z > 0) & (w > 1e-6F);

@@ -33,8 +33,9 @@ typedef struct FfpInitialisation {
 } FfpInitialisation;
 
 typedef struct FfpMatchSettings {
-    int coarse_steps, fine_steps; // hypotheses over the sphere, then around the best
-    real bounds;                  // radius of the sphere searched (1.05)
+    int coarse_steps, fine_steps;   // hypotheses over the sphere, then around the best
+    real bounds;                    // radius of the sphere searched (1.05)
+    const struct FfpDevice *device; // that searches views of objects without codes; NULL: the CPU
 } FfpMatchSettings;
 FfpMatchSettings ffp_match_defaults(void);
 

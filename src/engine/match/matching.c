@@ -9,12 +9,6 @@
 #include "engine/match/sweep.h"
 #include "engine/match/thresholds.h"
 
-#define SMALL_STEP 0.03F // smoothness: cost of a step of one plane between neighbours
-#define LARGE_STEP 0.3F  // and of any longer one
-#define COST_MAX 0.1F    // mean squared difference above which no hypothesis fits
-#define APART 3          // planes between two separate minima
-#define ROUNDS 2         // of the fine search
-
 real ffp_window_costs(real *restrict sum, const real *cost, const FfpForeground *foreground,
                       const FfpObservation *observed, int x, int y, int count) {
     real weight = 0;
@@ -37,7 +31,7 @@ real ffp_rival_cost(const real *sum, int count, int chosen) {
 #pragma omp simd reduction(min : least) reduction(max : greatest)
     for (int k = 0; k < count; k++) {
         const bool minimum = (sum[k - 1] >= sum[k]) & (sum[k + 1] >= sum[k]),
-                   apart = (k <= chosen - APART) | (k >= chosen + APART);
+                   apart = (k <= chosen - FFP_RIVAL_APART) | (k >= chosen + FFP_RIVAL_APART);
         const real value = (minimum & apart) ? sum[k] : FFP_FAR_COST;
         least = value < least ? value : least;
         greatest = sum[k] > greatest ? sum[k] : greatest;
@@ -67,7 +61,7 @@ static void choose(real *depth, real *confidence, const real *total, const real 
         depth[i] = ffp_plane_depth(planes, (real)best);
         if (observed->lit[i] < FFP_LIT_MIN) continue;
         const real weight = ffp_window_costs(sum, cost, foreground, observed, x, y, count);
-        if (sum[best] > COST_MAX * weight) continue;
+        if (sum[best] > FFP_FITTING_COST * weight) continue;
         const real second = ffp_rival_cost(sum, count, best);
         confidence[i] = second > 0 ? fmax(1 - sum[best] / second, 0) * observed->lit[i] : 0;
     }
@@ -94,7 +88,7 @@ static void search(real *depth, real *confidence, real *range, unsigned char **h
     ffp_sweep(cost, self, &foreground, observed, patterns, planes, inside);
     ffp_coded_costs(cost, capture, view, &foreground, planes);
     ffp_cancel_point();
-    ffp_semi_global(total, cost, &foreground, planes->count, SMALL_STEP, LARGE_STEP);
+    ffp_semi_global(total, cost, &foreground, planes->count, FFP_SMALL_STEP, FFP_LARGE_STEP);
     choose(depth, confidence, total, cost, &foreground, observed, planes);
     ffp_free(total);
     ffp_free(cost);
@@ -116,9 +110,10 @@ void ffp_match_view(real *depth, real *confidence, real *range, unsigned char **
     ffp_coded_depths(depth, confidence, capture, view, settings->bounds);
     const int steps =
         settings->fine_steps < FFP_REFINE_STEPS_MAX ? settings->fine_steps : FFP_REFINE_STEPS_MAX;
-    const FfpFineSearch fine = {&capture->views[view], observed, patterns, steps, false};
+    const FfpFineSearch fine = {
+        &capture->views[view].camera, &capture->views[view].projector, observed, patterns, steps, false};
     real *finer = ffp_alloc(pixels, sizeof(real)), span = 2 * planes.step;
-    for (int round = 0; round < ROUNDS; round++) {
+    for (int round = 0; round < FFP_SEARCH_ROUNDS; round++) {
         ffp_cancel_point();
         ffp_refine_depth(finer, depth, confidence, &fine, span);
         memcpy(depth, finer, pixels * sizeof(real));

@@ -8,6 +8,14 @@
 #include "engine/match/sweep.h"
 
 #define FFP_FAR_COST 1e6F // more than any hypothesis costs
+#define FFP_OUTSIDE_COST                                                                                     \
+    1.0F                      // a channel and a pattern, off the pattern or off a silhouette: as much as a
+                              // clearly wrong colour
+#define FFP_SMALL_STEP 0.03F  // smoothness: cost of a step of one plane between neighbours
+#define FFP_LARGE_STEP 0.3F   // and of any longer one
+#define FFP_FITTING_COST 0.1F // mean squared difference above which no hypothesis fits
+#define FFP_RIVAL_APART 3     // planes between two separate minima
+#define FFP_SEARCH_ROUNDS 2   // of the fine search
 
 // depth [h,w]: camera z, 0 off the object. confidence [h,w]: 1 - best / second-best minimum's cost, times
 // lit; 0 where the pixel is not lit, or fits no hypothesis.
@@ -25,7 +33,7 @@ void ffp_match_scene_view(real *depth, real *confidence, const FfpStereo *stereo
 
 // Common to both. Cost of a pixel's hypotheses summed over 3 x 3 pixels into `sum` [count]; returns the sum
 // of their weights.
-real ffp_window_costs(real *restrict sum, const real *cost, const FfpForeground *foreground,
+real ffp_window_costs(real *sum, const real *cost, const FfpForeground *foreground,
                       const FfpObservation *observed, int x, int y, int count);
 // Least value at a minimum some planes away from `chosen`; the greatest value when there is none. `sum` has a
 // cell of FFP_FAR_COST before and behind.

@@ -88,6 +88,7 @@ FfpBlurred ffp_blurred_new(const FfpCapture *capture, const int *patterns, int n
     const real scale = fmin(CELLS_A_BOX / fmax(box, 1), 1);
     const int width = (int)ceil((real)first->width * scale), height = (int)ceil((real)first->height * scale);
     FfpBlurred out = {.stride = width + 2,
+                      .patterns = n,
                       .area = ((size_t)width + 2) * ((size_t)height + 2),
                       .scale = scale,
                       .width = (real)first->width,

@@ -24,7 +24,8 @@ void ffp_observation_free(FfpObservation *observation);
 // hypotheses. The grid has a border of one repeated cell, and a cell four numbers, of which the last is 0: a
 // sample is four vector loads. All patterns have the grid's size, so that a position is found once for all.
 typedef struct FfpBlurred {
-    int stride;         // cells per row, including the border
+    int stride; // cells per row, including the border
+    int patterns;
     size_t area;        // cells of a pattern
     real *cells;        // [patterns,.,stride,4]
     real scale;         // grid cells per pattern pixel

@@ -2,8 +2,6 @@
 #include <string.h>
 #include "engine/match/kernels/kernels.h"
 
-#define PLANE_REACH 2 // the local plane is fitted to as many pixels
-
 // A row's pixels from x on, as many as are fitted at a time.
 static void refine_strip(real *out, const real *weight, const FfpSheet *sheet, const FfpFineSearch *search,
                          int x, int y, real range) {
@@ -29,7 +27,7 @@ void ffp_refine_depth(real *out, const real *depth, const real *weight, const Ff
                       real range) {
     const int width = search->observed->width, height = search->observed->height;
     memcpy(out, depth, (size_t)width * (size_t)height * sizeof(real));
-    FfpSheet sheet = ffp_sheet_new(depth, weight, &search->view->camera, PLANE_REACH);
+    FfpSheet sheet = ffp_sheet_new(depth, weight, search->camera, FFP_FINE_PLANE_REACH);
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x += FFP_MATCH_LANES)
             refine_strip(out, weight, &sheet, search, x, y, range);

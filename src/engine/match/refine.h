@@ -7,14 +7,14 @@
 
 // A view, and the settings of its search.
 typedef struct FfpFineSearch {
-    const FfpView *view;
+    const FfpCamera *camera, *projector;
     const FfpObservation *observed;
     const FfpBlurred *patterns;
     int steps;    // hypotheses, up to FFP_REFINE_STEPS_MAX
     bool inverse; // the range searched is of inverse depth
 } FfpFineSearch;
 
-enum { FFP_REFINE_STEPS_MAX = 256 };
+enum { FFP_REFINE_STEPS_MAX = 256, FFP_FINE_PLANE_REACH = 2 }; // the local plane is fitted to as many pixels
 
 // Searches `steps` hypotheses about each pixel's local plane, range / (steps / 2) apart (camera depth, or its
 // inverse), from -range to one step below +range; the pixels around it move along with that plane. Reads

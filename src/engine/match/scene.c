@@ -80,7 +80,8 @@ void ffp_match_scene_view(real *depth, real *confidence, const FfpStereo *stereo
     ffp_foreground_free(&foreground);
     const int steps =
         settings->fine_steps < FFP_REFINE_STEPS_MAX ? settings->fine_steps : FFP_REFINE_STEPS_MAX;
-    const FfpFineSearch fine = {&capture->views[view], observed, patterns, steps, true};
+    const FfpFineSearch fine = {
+        &capture->views[view].camera, &capture->views[view].projector, observed, patterns, steps, true};
     real span = 2 * planes.step;
     for (int round = 0; round < ROUNDS; round++) {
         ffp_cancel_point();

@@ -9,6 +9,18 @@
 #define JUMP 3.0F    // a step of more footprints a pixel is a jump (a slant of 72 degrees)
 #define SPREAD 0.35F // neighbours' weight falls as exp(-SPREAD * distance^2 / reach)
 
+void ffp_sheet_neighbours(FfpSheet *sheet) {
+    const int reach = sheet->reach, side = 2 * reach + 1;
+    sheet->nearness = ffp_alloc((size_t)side * (size_t)side, sizeof(real));
+    sheet->jump = ffp_alloc((size_t)side * (size_t)side, sizeof(real));
+    for (int n = 0; n < side * side; n++) {
+        const int dx = n % side - reach, dy = n / side - reach;
+        const real distance = (real)(dx * dx + dy * dy);
+        sheet->nearness[n] = exp(-SPREAD * distance / (real)reach);
+        sheet->jump[n] = JUMP * fmax(sqrt(distance), 1);
+    }
+}
+
 FfpSheet ffp_sheet_new(const real *depth, const real *weight, const FfpCamera *camera, int reach) {
     FfpSheet out = {.width = camera->width, .height = camera->height, .reach = reach, .focal = camera->fx};
     out.stride = camera->width + 2 * reach + FFP_MATCH_LANES; // the last lanes may begin at the last pixel
@@ -26,15 +38,7 @@ FfpSheet ffp_sheet_new(const real *depth, const real *weight, const FfpCamera *c
             out.weight[to + x] = z > 0 && weight[from + x] > 0 ? weight[from + x] : 0;
         }
     }
-    const int side = 2 * reach + 1;
-    out.nearness = ffp_alloc((size_t)side * (size_t)side, sizeof(real));
-    out.jump = ffp_alloc((size_t)side * (size_t)side, sizeof(real));
-    for (int n = 0; n < side * side; n++) {
-        const int dx = n % side - reach, dy = n / side - reach;
-        const real distance = (real)(dx * dx + dy * dy);
-        out.nearness[n] = exp(-SPREAD * distance / (real)reach);
-        out.jump[n] = JUMP * fmax(sqrt(distance), 1);
-    }
+    ffp_sheet_neighbours(&out);
     return out;
 }
 

@@ -22,6 +22,7 @@ typedef struct FfpSheet {
 
 // depth [h,w]: camera z, 0 for none. weight [h,w]: 0 for pixels that must not influence their neighbours.
 FfpSheet ffp_sheet_new(const real *depth, const real *weight, const FfpCamera *camera, int reach);
+void ffp_sheet_neighbours(FfpSheet *sheet); // makes nearness and jump alone
 void ffp_sheet_free(FfpSheet *sheet);
 
 // Planes at the FFP_MATCH_LANES pixels from (x, y) rightwards, as far as the picture goes: least squares over

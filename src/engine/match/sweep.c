@@ -5,13 +5,12 @@
 #include "engine/match/blurred.h"
 #include "engine/match/kernels/kernels.h"
 #include "engine/match/line.h"
+#include "engine/match/matching.h"
 
-#define OUTSIDE_COST                                                                                         \
-    1.0F // a channel and a pattern, off the pattern or off a silhouette: as much as a clearly wrong colour
 #define SCENE_STEPS 192 // hypotheses between the near and the far end of a scene
 
 FfpMatchSettings ffp_match_defaults(void) {
-    return (FfpMatchSettings){128, 16, 1.05F};
+    return (FfpMatchSettings){128, 16, 1.05F, NULL};
 }
 
 FfpPlanes ffp_planes(const FfpCapture *capture, int view, const FfpMatchSettings *settings) {
@@ -62,7 +61,7 @@ void ffp_sweep(real *cost, const FfpView *view, const FfpForeground *foreground,
                const FfpObservation *observed, const FfpBlurred *patterns, const FfpPlanes *planes,
                const unsigned char *inside) {
     const size_t count = (size_t)planes->count, width = (size_t)foreground->width;
-    const real outside = OUTSIDE_COST * (real)observed->count;
+    const real outside = FFP_OUTSIDE_COST * (real)observed->count;
     FfpObservedPixel *here = ffp_alloc((size_t)observed->count, sizeof *here);
     for (size_t slot = 0; slot < foreground->count; slot++) {
         const size_t i = foreground->pixel[slot], first = slot * count;

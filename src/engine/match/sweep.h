@@ -34,6 +34,9 @@ FfpPlanes ffp_planes(const FfpCapture *capture, int view, const FfpMatchSettings
 // a pixel; what is outside a picture is not known to be empty.
 void ffp_hull(unsigned char *inside, const FfpCapture *capture, int view, const FfpForeground *foreground,
               const FfpPlanes *planes);
+// A view's silhouette for it: 1 where any coverage is within a pixel, and around the frame's edge, [h,w] of
+// the frame, and one more 1 for what is outside it.
+unsigned char *ffp_hull_widened(const FfpView *view);
 // The camera depths between which each pixel's ray is within the hull, [h,w,2]; the whole sphere where it
 // never is, or off the object.
 void ffp_hull_range(real *range, const unsigned char *inside, const FfpForeground *foreground,

@@ -163,7 +163,8 @@ static bool uses_network(const FfpCapture *capture, const FfpReconstruction *opt
 static bool predict(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats, FfpError *err) {
     int n;
     const int *patterns = patterns_of(w, &n);
-    const FfpMatchSettings settings = ffp_match_defaults();
+    FfpMatchSettings settings = ffp_match_defaults();
+    settings.device = ffp_device_offered();
     double begin = ffp_seconds();
     FfpTask stage = ffp_task("matching", 0);
     const bool matched = ffp_initialisation_new(&w->start, &w->padded, patterns, n, &settings, err);

@@ -160,7 +160,7 @@ static const FfpOption options[] = {
     FFP_CLI_SAMPLES(offsetof(Arguments, evaluation.drawing.samples), FFP_CLI_SAMPLES_HELP),
     FFP_CLI_FORCE(offsetof(Arguments, evaluation.force)),
     FFP_CLI_DEVICE(offsetof(Arguments, device),
-                   "where network and fit run: cpu (default), or cuda, the first NVIDIA GPU"),
+                   "where matching, network and fit run: cpu (default), or cuda, the first NVIDIA GPU"),
     {.name = "perceptual",
      .argument = "FILE",
      .type = FFP_OPTION_FILE,

@@ -82,7 +82,7 @@ static const FfpOption options[] = {
         "samples per side of a pixel while fitting, 1 to 4. Default: the model's setting, otherwise 2"),
     FFP_CLI_FORCE(offsetof(Arguments, how.force)),
     FFP_CLI_DEVICE(offsetof(Arguments, device),
-                   "where network and fit run: cpu, or cuda, the first NVIDIA GPU. Default: cpu"),
+                   "where matching, network and fit run: cpu, or cuda, the first NVIDIA GPU. Default: cpu"),
     {0},
 };
 
