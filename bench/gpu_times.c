@@ -279,13 +279,11 @@ static void large_product(void *products) {
                                        .n = p->rows,
                                        .k = p->rows,
                                        .alpha = 1,
-                                       .a = {p->a, p->rows, false, 0},
-                                       .b = {p->b, p->rows, true, 0},
+                                       .a = {p->a, p->rows, false},
+                                       .b = {p->b, p->rows, true},
                                        .beta = 0,
                                        .c = p->c,
-                                       .ldc = p->rows,
-                                       .stride_c = 0,
-                                       .count = 1});
+                                       .ldc = p->rows});
 }
 static void linear(void *products) {
     Products *p = products;

@@ -1,17 +1,8 @@
 // Softmax attention with RMS QK-norm, forward.
 #include "engine/cuda/attention.h"
-#include "engine/cuda/bf16.h"
-#include "engine/cuda/products.h"
-#include "engine/cuda/warp.h"
 
 enum { THREADS = 256, WARPS = THREADS / FFP_WARP };
 #define EPSILON 1e-5f
-
-size_t ffp_cuda_attention_bytes = (size_t)768 << 20;
-
-static int whole_eights(int count) {
-    return (count + 7) / 8 * 8;
-}
 
 static FfpAttentionPlan make_shape(const FfpAttentionShape *shape) {
     const int rows = shape->rows, heads = shape->heads, dim = shape->head_dim;
@@ -25,31 +16,15 @@ static FfpAttentionPlan make_shape(const FfpAttentionShape *shape) {
     plan.heads = heads;
     plan.dim = dim;
     plan.width = heads * dim;
-    plan.pad = whole_eights(dim);
-    plan.keys = whole_eights(rows);
-    const size_t line = (size_t)plan.keys * 2 * (sizeof(float) + sizeof(uint16_t)),
-                 most = ffp_cuda_attention_bytes / line;
-    const size_t square = (size_t)(rows > 0 ? rows : 1);
-    plan.group = most >= square ? (int)min(most / square, (size_t)heads) : 1;
-    plan.span = (int)min(most > 8 ? most : (size_t)8, square);
+    plan.pad = dim <= 64 ? 64 : 128;
     return plan;
 }
 
 // Sizes in reals, in the order of FfpAttentionPlan.
-enum { HALVES = 6, WHOLES = 5, PARTS = HALVES + WHOLES };
+enum { HALVES = 4, WHOLES = 3, PARTS = HALVES + WHOLES };
 static void part_sizes(size_t sizes[PARTS], const FfpAttentionPlan *p) {
-    const size_t lines = (size_t)p->heads * p->rows, square = (size_t)p->group * p->span * p->keys;
-    const size_t parts[PARTS] = {lines * p->pad / 2,
-                                 lines * p->pad / 2,
-                                 lines * p->pad / 2,
-                                 lines * p->pad / 2,
-                                 square / 2,
-                                 square / 2,
-                                 lines,
-                                 lines * p->pad,
-                                 lines * p->pad,
-                                 square,
-                                 square};
+    const size_t lines = (size_t)p->heads * p->rows, numbers = lines * p->pad;
+    const size_t parts[PARTS] = {numbers / 2, numbers / 2, numbers / 2, numbers / 2, lines, numbers, numbers};
     for (int i = 0; i < PARTS; i++) sizes[i] = (parts[i] + 63) / 64 * 64;
 }
 
@@ -65,8 +40,8 @@ FfpAttentionPlan ffp_cuda_attention_plan(const FfpAttentionShape *shape, float *
     FfpAttentionPlan plan = make_shape(shape);
     size_t sizes[PARTS];
     part_sizes(sizes, &plan);
-    uint16_t **halves[HALVES] = {&plan.q, &plan.k, &plan.v, &plan.dout, &plan.weights, &plan.dweights};
-    float **wholes[WHOLES] = {&plan.delta, &plan.dq, &plan.dk, &plan.scores, &plan.dscores};
+    uint16_t **halves[HALVES] = {&plan.q, &plan.k, &plan.v, &plan.dout};
+    float **wholes[WHOLES] = {&plan.delta, &plan.dq, &plan.dk};
     for (int i = 0; i < PARTS; i++) {
         if (i < HALVES)
             *halves[i] = (uint16_t *)scratch;
@@ -141,83 +116,75 @@ void ffp_cuda_attention_prepare(const FfpAttentionPlan *plan, const FfpAttention
     ffp_launch_blocks(prepare_rows, dim3(ffp_blocks(lines, WARPS)), dim3(THREADS), 0, *plan, *in, dout, out);
 }
 
-bool ffp_cuda_attention_next(FfpAttentionTile *part, const FfpAttentionPlan *plan) {
-    if (part->group == 0) {
-        part->head = 0;
-        part->query = 0;
-    } else if (part->query + part->span < plan->rows) {
-        part->query += part->span;
-    } else {
-        part->head += part->group;
-        part->query = 0;
-    }
-    part->group = min(plan->group, plan->heads - part->head);
-    part->span = min(plan->span, plan->rows - part->query);
-    return part->group > 0 && part->span > 0;
+// The greatest, or the sum, of what the four lanes of a row have.
+static __device__ float quad_max(float x) {
+    x = fmaxf(x, __shfl_xor_sync(0xffffffffu, x, 1));
+    return fmaxf(x, __shfl_xor_sync(0xffffffffu, x, 2));
+}
+static __device__ float quad_sum(float x) {
+    x += __shfl_xor_sync(0xffffffffu, x, 1);
+    return x + __shfl_xor_sync(0xffffffffu, x, 2);
 }
 
-void ffp_cuda_attention_scores(float *out, const FfpAttentionPlan *plan, const FfpAttentionTile *part,
-                               const uint16_t *x, const uint16_t *y) {
-    const size_t head = (size_t)plan->rows * plan->pad;
-    const FfpCudaProduct product = {
-        .operands = FFP_OPERANDS_BF16,
-        .m = part->span,
-        .n = plan->rows,
-        .k = plan->pad,
-        .alpha = 1,
-        .a = {x + part->head * head + (size_t)part->query * plan->pad, plan->pad, false, head},
-        .b = {y + part->head * head, plan->pad, true, head},
-        .beta = 0,
-        .c = out,
-        .ldc = plan->keys,
-        .stride_c = (size_t)part->span * plan->keys,
-        .count = part->group};
-    ffp_cuda_product(&product);
+enum { NARROW = FFP_ATTENTION_TILE / 8 }; // sums across a tile
+
+// Of one row: scores become weights against the greatest score so far, and what was summed before shrinks to
+// it. A lane's `total` is of its own columns.
+template <int PAD>
+static __device__ void weigh(float scores[NARROW][4], float sums[PAD / 8][4], int h, float *top,
+                             float *total) {
+    float greatest = *top;
+#pragma unroll
+    for (int n = 0; n < NARROW; n++)
+        greatest = fmaxf(greatest, fmaxf(scores[n][2 * h], scores[n][2 * h + 1]));
+    greatest = quad_max(greatest);
+    const float shrink = exp2f(*top - greatest);
+    *total *= shrink;
+#pragma unroll
+    for (int n = 0; n < NARROW; n++)
+#pragma unroll
+        for (int i = 2 * h; i < 2 * h + 2; i++) *total += scores[n][i] = exp2f(scores[n][i] - greatest);
+#pragma unroll
+    for (int n = 0; n < PAD / 8; n++)
+#pragma unroll
+        for (int i = 2 * h; i < 2 * h + 2; i++) sums[n][i] *= shrink;
+    *top = greatest;
 }
 
-// A warp for each row of scores: softmax weights as bf16, and the logarithm of their sum. Each lane first
-// finds the greatest score and the sum of its own part of a row.
-static __global__ void softmax_rows(float *log_sum, FfpAttentionPlan plan, FfpAttentionTile part) {
-    const size_t line = (size_t)blockIdx.x * WARPS + threadIdx.x / FFP_WARP;
-    if (line >= (size_t)part.group * part.span) return;
-    const float *scores = plan.scores + line * plan.keys;
-    uint16_t *weights = plan.weights + line * plan.keys;
-    float top = -INFINITY, sum = 0;
-    for (int j = ffp_lane() * 2; j < plan.rows; j += 2 * FFP_WARP) {
-        const float2 s = *(const float2 *)(scores + j);
-        const float second = j + 1 < plan.rows ? s.y : -INFINITY, greatest = fmaxf(top, fmaxf(s.x, second));
-        sum = sum * exp2f(top - greatest) + exp2f(s.x - greatest) + exp2f(second - greatest);
-        top = greatest;
+template <int PAD>
+static __global__ void __launch_bounds__(FFP_ATTENTION_THREADS)
+    attend(float *out, float *log_sum, FfpAttentionPlan plan) {
+    __shared__ FfpAttentionTile<PAD> keys, values;
+    const size_t head = (size_t)blockIdx.y * plan.rows * PAD;
+    float top[2] = {-INFINITY, -INFINITY}, total[2] = {}, sums[PAD / 8][4] = {};
+    uint32_t own[PAD / 16][4];
+    ffp_attention_own<PAD>(own, plan.q + head, plan.rows);
+    for (int first = 0; first < plan.rows; first += FFP_ATTENTION_TILE) {
+        float scores[NARROW][4];
+        __syncthreads();
+        ffp_attention_fill(&keys, plan.k + head, first, plan.rows);
+        ffp_attention_fill(&values, plan.v + head, first, plan.rows);
+        __syncthreads();
+        ffp_attention_scores<PAD>(scores, own, &keys);
+        if (first + FFP_ATTENTION_TILE > plan.rows)
+#pragma unroll
+            for (int n = 0; n < NARROW; n++)
+#pragma unroll
+                for (int i = 0; i < 4; i++)
+                    if (first + ffp_attention_column(n, i) >= plan.rows) scores[n][i] = -INFINITY;
+#pragma unroll
+        for (int h = 0; h < 2; h++) weigh<PAD>(scores, sums, h, &top[h], &total[h]);
+        ffp_attention_add<PAD>(sums, scores, &values);
     }
-    const float greatest = ffp_warp_max(top);
-    sum = ffp_warp_sum(top > -INFINITY ? sum * exp2f(top - greatest) : 0);
-    const float base = greatest + log2f(sum);
-    for (int j = ffp_lane() * 2; j < plan.keys; j += 2 * FFP_WARP) {
-        const float2 s = *(const float2 *)(scores + j);
-        *(uint32_t *)(weights + j) =
-            ffp_bf16_pair(j < plan.rows ? exp2f(s.x - base) : 0, j + 1 < plan.rows ? exp2f(s.y - base) : 0);
+    float scale[2];
+    for (int h = 0; h < 2; h++) {
+        const float sum = quad_sum(total[h]);
+        const int row = ffp_attention_row(h);
+        scale[h] = 1 / sum;
+        if (ffp_lane() % 4 == 0 && row < plan.rows)
+            log_sum[(size_t)blockIdx.y * plan.rows + row] = (top[h] + log2f(sum)) * FFP_ATTENTION_LN_2;
     }
-    if (ffp_lane() == 0)
-        log_sum[(part.head + line / part.span) * plan.rows + part.query + line % part.span] =
-            base * FFP_ATTENTION_LN_2;
-}
-
-void ffp_cuda_attention_sum(float *to, int ldt, size_t stride, const uint16_t *weights, const uint16_t *x,
-                            const FfpAttentionPlan *plan, const FfpAttentionTile *part) {
-    const size_t head = (size_t)plan->rows * plan->pad;
-    const FfpCudaProduct product = {.operands = FFP_OPERANDS_BF16,
-                                    .m = part->span,
-                                    .n = plan->dim,
-                                    .k = plan->rows,
-                                    .alpha = 1,
-                                    .a = {weights, plan->keys, false, (size_t)part->span * plan->keys},
-                                    .b = {x + part->head * head, plan->pad, false, head},
-                                    .beta = 0,
-                                    .c = to,
-                                    .ldc = ldt,
-                                    .stride_c = stride,
-                                    .count = part->group};
-    ffp_cuda_product(&product);
+    ffp_attention_write<PAD>(out + blockIdx.y * plan.dim, (size_t)plan.width, sums, scale, &plan);
 }
 
 void ffp_cuda_attention_forward(float *out, float *log_sum, const FfpAttentionShape *shape,
@@ -225,11 +192,6 @@ void ffp_cuda_attention_forward(float *out, float *log_sum, const FfpAttentionSh
     if (shape->rows <= 0) return;
     const FfpAttentionPlan plan = ffp_cuda_attention_plan(shape, scratch);
     ffp_cuda_attention_prepare(&plan, in, NULL, NULL);
-    for (FfpAttentionTile part = {}; ffp_cuda_attention_next(&part, &plan);) {
-        ffp_cuda_attention_scores(plan.scores, &plan, &part, plan.q, plan.k);
-        ffp_launch_blocks(softmax_rows, dim3(ffp_blocks((size_t)part.group * part.span, WARPS)),
-                          dim3(THREADS), 0, log_sum, plan, part);
-        ffp_cuda_attention_sum(out + (size_t)part.query * plan.width + part.head * plan.dim, plan.width,
-                               (size_t)plan.dim, plan.weights, plan.v, &plan, &part);
-    }
+    ffp_launch_blocks(plan.pad == 64 ? attend<64> : attend<128>, ffp_attention_grid(&plan),
+                      dim3(FFP_ATTENTION_THREADS), 0, out, log_sum, plan);
 }

@@ -1,50 +1,86 @@
 // Softmax attention with RMS QK-norm, backward. The probabilities P are made again from log_sum. With dP = dO
 // V^T and dS = P (dP - delta):  dV = P^T dO,  dK = dS^T Q,  dQ = dS K; then through the norms.
 #include "engine/cuda/attention.h"
-#include "engine/cuda/bf16.h"
 #include "engine/cuda/columns.h"
-#include "engine/cuda/products.h"
-#include "engine/cuda/warp.h"
 
-enum { THREADS = 256, WARPS = THREADS / FFP_WARP, NORM_BLOCKS = 256 };
+enum { THREADS = 256, WARPS = THREADS / FFP_WARP, NORM_BLOCKS = 256, NARROW = FFP_ATTENTION_TILE / 8 };
 #define EPSILON 1e-5f
 
-// A thread for two keys of a row of scores; a row is the grid's y.
-static __global__ void score_gradients(const float *log_sum, FfpAttentionPlan plan, FfpAttentionTile part) {
-    const int j = 2 * (int)(blockIdx.x * THREADS + threadIdx.x);
-    if (j >= plan.keys) return;
-    for (size_t line = blockIdx.y; line < (size_t)part.group * part.span; line += gridDim.y) {
-        const size_t at = (part.head + line / part.span) * plan.rows + part.query + line % part.span;
-        const float base = log_sum[at] * FFP_ATTENTION_LOG2_E, delta = plan.delta[at];
-        const size_t place = line * plan.keys + j;
-        const float2 s = *(const float2 *)(plan.scores + place), d = *(const float2 *)(plan.dscores + place);
-        const float first = j < plan.rows ? exp2f(s.x - base) : 0;
-        const float second = j + 1 < plan.rows ? exp2f(s.y - base) : 0;
-        const float dfirst = j < plan.rows ? first * (d.x - delta) : 0;
-        const float dsecond = j + 1 < plan.rows ? second * (d.y - delta) : 0;
-        *(uint32_t *)(plan.weights + place) = ffp_bf16_pair(first, second);
-        *(uint32_t *)(plan.dweights + place) = ffp_bf16_pair(dfirst, dsecond);
+// dQ, a block for a tile of queries.
+template <int PAD>
+static __global__ void __launch_bounds__(FFP_ATTENTION_THREADS)
+    queries_backward(const float *log_sum, FfpAttentionPlan plan) {
+    __shared__ FfpAttentionTile<PAD> keys, values;
+    const size_t line = (size_t)blockIdx.y * plan.rows, head = line * PAD;
+    float base[2], delta[2], sums[PAD / 8][4] = {};
+    uint32_t query[PAD / 16][4], dout[PAD / 16][4];
+    ffp_attention_own<PAD>(query, plan.q + head, plan.rows);
+    ffp_attention_own<PAD>(dout, plan.dout + head, plan.rows);
+    for (int h = 0; h < 2; h++) {
+        const int row = ffp_attention_row(h);
+        base[h] = row < plan.rows ? log_sum[line + row] * FFP_ATTENTION_LOG2_E : INFINITY;
+        delta[h] = row < plan.rows ? plan.delta[line + row] : 0;
     }
+    for (int first = 0; first < plan.rows; first += FFP_ATTENTION_TILE) {
+        float scores[NARROW][4], dscores[NARROW][4];
+        __syncthreads();
+        ffp_attention_fill(&keys, plan.k + head, first, plan.rows);
+        ffp_attention_fill(&values, plan.v + head, first, plan.rows);
+        __syncthreads();
+        ffp_attention_scores<PAD>(scores, query, &keys);
+        ffp_attention_scores<PAD>(dscores, dout, &values);
+#pragma unroll
+        for (int n = 0; n < NARROW; n++)
+#pragma unroll
+            for (int i = 0; i < 4; i++) {
+                const bool key = first + ffp_attention_column(n, i) < plan.rows;
+                const float weight = key ? exp2f(scores[n][i] - base[i / 2]) : 0;
+                dscores[n][i] = weight * (dscores[n][i] - delta[i / 2]);
+            }
+        ffp_attention_add<PAD>(sums, dscores, &keys);
+    }
+    const float scale[2] = {1, 1};
+    ffp_attention_write<PAD>(plan.dq + head, PAD, sums, scale, &plan);
 }
 
-// to [T, dim] = alpha weights^T x of the part's queries, for each head: the first queries overwrite.
-static void sum_over_queries(float *to, int ldt, size_t stride, float alpha, const uint16_t *weights,
-                             const uint16_t *x, const FfpAttentionPlan *plan, const FfpAttentionTile *part) {
-    const size_t head = (size_t)plan->rows * plan->pad;
-    const FfpCudaProduct product = {
-        .operands = FFP_OPERANDS_BF16,
-        .m = plan->rows,
-        .n = plan->dim,
-        .k = part->span,
-        .alpha = alpha,
-        .a = {weights, plan->keys, true, (size_t)part->span * plan->keys},
-        .b = {x + part->head * head + (size_t)part->query * plan->pad, plan->pad, false, head},
-        .beta = part->query > 0 ? 1.0f : 0.0f,
-        .c = to,
-        .ldc = ldt,
-        .stride_c = stride,
-        .count = part->group};
-    ffp_cuda_product(&product);
+// dK and dV, a block for a tile of keys.
+template <int PAD>
+static __global__ void __launch_bounds__(FFP_ATTENTION_THREADS)
+    keys_backward(float *dvalues, const float *log_sum, FfpAttentionPlan plan) {
+    __shared__ FfpAttentionTile<PAD> queries, douts;
+    __shared__ float base[FFP_ATTENTION_TILE], delta[FFP_ATTENTION_TILE];
+    const size_t line = (size_t)blockIdx.y * plan.rows, head = line * PAD;
+    float dk[PAD / 8][4] = {}, dv[PAD / 8][4] = {};
+    uint32_t key[PAD / 16][4], value[PAD / 16][4];
+    ffp_attention_own<PAD>(key, plan.k + head, plan.rows);
+    ffp_attention_own<PAD>(value, plan.v + head, plan.rows);
+    for (int first = 0; first < plan.rows; first += FFP_ATTENTION_TILE) {
+        float scores[NARROW][4], dscores[NARROW][4];
+        __syncthreads();
+        ffp_attention_fill(&queries, plan.q + head, first, plan.rows);
+        ffp_attention_fill(&douts, plan.dout + head, first, plan.rows);
+        for (int i = (int)threadIdx.x; i < FFP_ATTENTION_TILE; i += FFP_ATTENTION_THREADS) {
+            const bool query = first + i < plan.rows;
+            base[i] = query ? log_sum[line + first + i] * FFP_ATTENTION_LOG2_E : INFINITY;
+            delta[i] = query ? plan.delta[line + first + i] : 0;
+        }
+        __syncthreads();
+        ffp_attention_scores<PAD>(scores, key, &queries);
+        ffp_attention_scores<PAD>(dscores, value, &douts);
+#pragma unroll
+        for (int n = 0; n < NARROW; n++)
+#pragma unroll
+            for (int i = 0; i < 4; i++) {
+                const int query = ffp_attention_column(n, i);
+                scores[n][i] = exp2f(scores[n][i] - base[query]);
+                dscores[n][i] = scores[n][i] * (dscores[n][i] - delta[query]);
+            }
+        ffp_attention_add<PAD>(dv, scores, &douts);
+        ffp_attention_add<PAD>(dk, dscores, &queries);
+    }
+    const float one[2] = {1, 1}, to_base_e[2] = {FFP_ATTENTION_LN_2, FFP_ATTENTION_LN_2};
+    ffp_attention_write<PAD>(dvalues + blockIdx.y * plan.dim, 3 * (size_t)plan.width, dv, one, &plan);
+    ffp_attention_write<PAD>(plan.dk + head, PAD, dk, to_base_e, &plan);
 }
 
 // Through the RMS norm of one row: dx = r (g - n mean(g n)) with n = x r, g = dy gain scale; adds to the
@@ -96,22 +132,6 @@ static __global__ void norm_backward(float *dqkv, float *partial, FfpAttentionIn
     }
 }
 
-static void part_backward(float *dqkv, const float *log_sum, const FfpAttentionPlan *plan,
-                          const FfpAttentionTile *part) {
-    const size_t head = (size_t)plan->rows * plan->pad, lines = (size_t)part->group * part->span;
-    ffp_cuda_attention_scores(plan->scores, plan, part, plan->q, plan->k);
-    ffp_cuda_attention_scores(plan->dscores, plan, part, plan->dout, plan->v);
-    ffp_launch(score_gradients,
-               dim3(ffp_blocks((size_t)plan->keys / 2, THREADS), (unsigned)min(lines, (size_t)32768)),
-               dim3(THREADS), log_sum, *plan, *part);
-    sum_over_queries(dqkv + 2 * plan->width + part->head * plan->dim, 3 * plan->width, (size_t)plan->dim, 1,
-                     plan->weights, plan->dout, plan, part);
-    sum_over_queries(plan->dk + part->head * head, plan->pad, head, FFP_ATTENTION_LN_2, plan->dweights,
-                     plan->q, plan, part);
-    ffp_cuda_attention_sum(plan->dq + part->head * head + (size_t)part->query * plan->pad, plan->pad, head,
-                           plan->dweights, plan->k, plan, part);
-}
-
 void ffp_cuda_attention_backward(const FfpAttentionGradient *grad, const FfpAttentionShape *shape,
                                  const FfpAttentionInput *in, const float *out, const float *log_sum,
                                  const float *dout, float *scratch) {
@@ -119,8 +139,11 @@ void ffp_cuda_attention_backward(const FfpAttentionGradient *grad, const FfpAtte
     if (shape->rows <= 0) return;
     const FfpAttentionPlan plan = ffp_cuda_attention_plan(shape, scratch);
     ffp_cuda_attention_prepare(&plan, in, dout, out);
-    for (FfpAttentionTile part = {}; ffp_cuda_attention_next(&part, &plan);)
-        part_backward(grad->qkv, log_sum, &plan, &part);
+    const dim3 grid = ffp_attention_grid(&plan), block(FFP_ATTENTION_THREADS);
+    ffp_launch_blocks(plan.pad == 64 ? queries_backward<64> : queries_backward<128>, grid, block, 0, log_sum,
+                      plan);
+    ffp_launch_blocks(plan.pad == 64 ? keys_backward<64> : keys_backward<128>, grid, block, 0,
+                      grad->qkv + 2 * plan.width, log_sum, plan);
     const unsigned blocks = min((unsigned)NORM_BLOCKS, ffp_blocks((size_t)shape->rows * shape->heads, WARPS));
     float *partial = ffp_cuda_column_partials((size_t)blocks * 2 * dim);
     ffp_launch_blocks(norm_backward, dim3(blocks), dim3(THREADS), 0, grad->qkv, partial, *in, plan);

@@ -81,7 +81,7 @@ struct Fiber {
     unsigned parity; // of the exchange it is at
 };
 struct Warp {
-    uint64_t slots[2][WARP];
+    uint64_t slots[2][WARP][4];
 };
 
 std::vector<Fiber> fibers;
@@ -221,10 +221,20 @@ uint64_t ffp_emulated_exchange(uint64_t mine, int lane) {
     Warp &warp = warps[me / WARP];
     const unsigned parity = fibers[me].parity;
     fibers[me].parity ^= 1;
-    warp.slots[parity][me % WARP] = mine;
+    warp.slots[parity][me % WARP][0] = mine;
     wait(State::at_warp);
     if (lane < 0 || lane >= (int)WARP) return mine;
-    return warp.slots[parity][lane];
+    return warp.slots[parity][lane][0];
+}
+
+const uint64_t (*ffp_emulated_show(const uint64_t mine[4]))[4] {
+    const unsigned me = current;
+    Warp &warp = warps[me / WARP];
+    const unsigned parity = fibers[me].parity;
+    fibers[me].parity ^= 1;
+    memcpy(warp.slots[parity][me % WARP], mine, sizeof warp.slots[0][0]);
+    wait(State::at_warp);
+    return warp.slots[parity];
 }
 
 unsigned __ballot_sync(unsigned mask, int predicate) {
@@ -232,12 +242,12 @@ unsigned __ballot_sync(unsigned mask, int predicate) {
     Warp &warp = warps[me / WARP];
     const unsigned parity = fibers[me].parity;
     fibers[me].parity ^= 1;
-    warp.slots[parity][me % WARP] = predicate != 0;
+    warp.slots[parity][me % WARP][0] = predicate != 0;
     wait(State::at_warp);
     unsigned result = 0;
     const unsigned threads = blockDim.x * blockDim.y * blockDim.z, first = me / WARP * WARP;
     for (unsigned i = 0; i < WARP && first + i < threads; i++)
-        if ((mask >> i & 1) && fibers[first + i].state != State::done && warp.slots[parity][i])
+        if ((mask >> i & 1) && fibers[first + i].state != State::done && warp.slots[parity][i][0])
             result |= 1u << i;
     return result;
 }

@@ -31,7 +31,7 @@ struct alignas(16) float4 { float x, y, z, w; };
 struct int2 { int x, y; };
 struct alignas(16) int4 { int x, y, z, w; };
 struct uint2 { unsigned x, y; };
-struct alignas(16) uint4 { unsigned x, y, z, w; };
+struct alignas(16) [[gnu::may_alias]] uint4 { unsigned x, y, z, w; }; // copies numbers of other types
 static inline float2 make_float2(float x, float y) { return {x, y}; }
 static inline float3 make_float3(float x, float y, float z) { return {x, y, z}; }
 static inline float4 make_float4(float x, float y, float z, float w) { return {x, y, z, w}; }
@@ -60,6 +60,8 @@ void __syncthreads();
 void __syncwarp(unsigned mask = 0xffffffffu);
 // Every lane of the warp that has not ended puts 8 bytes there and gets what `lane` has put.
 uint64_t ffp_emulated_exchange(uint64_t mine, int lane);
+// Every lane shows four numbers, and sees those of all: [32][4], until the warp's next meeting but one.
+const uint64_t (*ffp_emulated_show(const uint64_t mine[4]))[4];
 unsigned __ballot_sync(unsigned mask, int predicate);
 static inline int __any_sync(unsigned mask, int predicate) { return __ballot_sync(mask, predicate) != 0; }
 int __all_sync(unsigned mask, int predicate);

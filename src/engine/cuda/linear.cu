@@ -100,13 +100,11 @@ static void multiply(float alpha, Operand a, Operand b, float beta, float *c, in
                                     .n = b.transposed ? b.rows : b.columns,
                                     .k = whole_groups(a.transposed ? a.rows : a.columns),
                                     .alpha = alpha,
-                                    .a = {a.to, a.to_ld, a.transposed, 0},
-                                    .b = {b.to, b.to_ld, b.transposed, 0},
+                                    .a = {a.to, a.to_ld, a.transposed},
+                                    .b = {b.to, b.to_ld, b.transposed},
                                     .beta = beta,
                                     .c = c,
-                                    .ldc = ldc,
-                                    .stride_c = 0,
-                                    .count = 1};
+                                    .ldc = ldc};
     ffp_cuda_product(&product);
 }
 

@@ -21,16 +21,15 @@ static cublasHandle_t handle(void) {
 
 // cuBLAS is column-major, where a row-major matrix is its transpose: C^T = op(B)^T op(A)^T.
 void ffp_cuda_product(const FfpCudaProduct *p) {
-    if (p->m <= 0 || p->n <= 0 || p->count <= 0) return;
+    if (p->m <= 0 || p->n <= 0) return;
     const cudaDataType_t type = p->operands == FFP_OPERANDS_BF16 ? CUDA_R_16BF : CUDA_R_32F;
     const cublasComputeType_t compute =
         p->operands == FFP_OPERANDS_TF32 ? CUBLAS_COMPUTE_32F_FAST_TF32 : CUBLAS_COMPUTE_32F;
     const cublasOperation_t first = p->b.transposed ? CUBLAS_OP_T : CUBLAS_OP_N;
     const cublasOperation_t second = p->a.transposed ? CUBLAS_OP_T : CUBLAS_OP_N;
-    check(cublasGemmStridedBatchedEx(handle(), first, second, p->n, p->m, p->k, &p->alpha, p->b.data, type,
-                                     p->b.ld, (long long)p->b.stride, p->a.data, type, p->a.ld,
-                                     (long long)p->a.stride, &p->beta, p->c, CUDA_R_32F, p->ldc,
-                                     (long long)p->stride_c, p->count, compute, CUBLAS_GEMM_DEFAULT),
+    check(cublasGemmEx(handle(), first, second, p->n, p->m, p->k, &p->alpha, p->b.data, type, p->b.ld,
+                       p->a.data, type, p->a.ld, &p->beta, p->c, CUDA_R_32F, p->ldc, compute,
+                       CUBLAS_GEMM_DEFAULT),
           "product");
 }
 
@@ -44,25 +43,20 @@ static float number(const void *matrix, FfpCudaOperands operands, size_t at) {
     return __uint_as_float((bits + 0x1000U) & ~0x1fffU); // to the nearest, as the hardware's conversion does
 }
 
-static void add_product(const FfpCudaProduct *p, int matrix) {
-    const size_t a = (size_t)matrix * p->a.stride, b = (size_t)matrix * p->b.stride;
+void ffp_cuda_product(const FfpCudaProduct *p) {
+    ffp_emulated_memory(true);
     for (int i = 0; i < p->m; i++) {
-        float *c = p->c + (size_t)matrix * p->stride_c + (size_t)i * p->ldc;
+        float *c = p->c + (size_t)i * p->ldc;
         for (int j = 0; j < p->n; j++) c[j] = p->beta == 0 ? 0 : p->beta * c[j];
         for (int k = 0; k < p->k; k++) {
             const size_t at = p->a.transposed ? (size_t)k * p->a.ld + i : (size_t)i * p->a.ld + k;
-            const float factor = p->alpha * number(p->a.data, p->operands, a + at);
+            const float factor = p->alpha * number(p->a.data, p->operands, at);
             for (int j = 0; j < p->n; j++) {
                 const size_t from = p->b.transposed ? (size_t)j * p->b.ld + k : (size_t)k * p->b.ld + j;
-                c[j] += factor * number(p->b.data, p->operands, b + from);
+                c[j] += factor * number(p->b.data, p->operands, from);
             }
         }
     }
-}
-
-void ffp_cuda_product(const FfpCudaProduct *p) {
-    ffp_emulated_memory(true);
-    for (int matrix = 0; matrix < p->count; matrix++) add_product(p, matrix);
     ffp_emulated_memory(false);
 }
 
@@ -75,12 +69,10 @@ void ffp_cuda_multiply(FfpCudaOperands operands, float alpha, FfpFactor a, FfpFa
                                     .n = b.columns,
                                     .k = a.columns,
                                     .alpha = alpha,
-                                    .a = {a.data, a.stride, a.transposed, 0},
-                                    .b = {b.data, b.stride, b.transposed, 0},
+                                    .a = {a.data, a.stride, a.transposed},
+                                    .b = {b.data, b.stride, b.transposed},
                                     .beta = beta,
                                     .c = c,
-                                    .ldc = ldc,
-                                    .stride_c = 0,
-                                    .count = 1};
+                                    .ldc = ldc};
     ffp_cuda_product(&product);
 }

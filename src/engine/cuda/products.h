@@ -14,15 +14,14 @@ typedef enum FfpCudaOperands {
     FFP_OPERANDS_BF16
 } FfpCudaOperands;
 
-// ld: numbers from one row to the next; stride: from one matrix to the next, where there are several.
+// ld: numbers from one row to the next.
 typedef struct FfpCudaOperand {
     const void *data;
     int ld;
     bool transposed;
-    size_t stride;
 } FfpCudaOperand;
 
-// C[m,n] = alpha op(A) op(B) + beta C, as ffp_gemm, `count` times. C is not read where beta is 0. bf16
+// C[m,n] = alpha op(A) op(B) + beta C, as ffp_gemm. C is not read where beta is 0. bf16
 // products are fast where rows start at multiples of 16 bytes.
 typedef struct FfpCudaProduct {
     FfpCudaOperands operands;
@@ -32,8 +31,6 @@ typedef struct FfpCudaProduct {
     float beta;
     float *c;
     int ldc;
-    size_t stride_c;
-    int count;
 } FfpCudaProduct;
 
 void ffp_cuda_product(const FfpCudaProduct *product);

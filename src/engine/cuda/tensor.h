@@ -35,7 +35,6 @@ __typeof__(ffp_scan_backward) ffp_cuda_scan_backward;
 __typeof__(ffp_attention_scratch) ffp_cuda_attention_scratch;
 __typeof__(ffp_attention_forward) ffp_cuda_attention_forward;
 __typeof__(ffp_attention_backward) ffp_cuda_attention_backward;
-extern size_t ffp_cuda_attention_bytes; // the most that matrices of scores may take; tests lower it
 // adam.cu
 __typeof__(ffp_adam) ffp_cuda_adam;
 __typeof__(ffp_squared_norm) ffp_cuda_squared_norm;
