@@ -218,7 +218,7 @@ static void time_drawing(void) {
     FfpGaussians start = ball_disturbed(count);
     FfpSummed light = ffp_summed_new(&capture.patterns[BALL_STRIPES].image);
     ffp_device_use(device);
-    d.capture = ffp_capture_uploaded(&capture);
+    d.capture = ffp_capture_uploaded(&capture, NULL, 0);
     d.gaussians = ffp_gaussians_uploaded(&start);
     d.light = ffp_summed_uploaded(&light);
     d.grad = ffp_gaussians_new(count);

@@ -10,6 +10,7 @@
 #include "core/base/memory.h"
 #include "core/capture/capture.h"
 #include "core/capture/pad.h"
+#include "core/capture/uploaded.h"
 #include "core/gaussians/gaussians.h"
 #include "engine/denoise/denoise.h"
 #include "engine/match/match.h"
@@ -40,6 +41,7 @@ typedef struct Work {
     FfpCapture padded;  // the same with views of one size, of whole patches: for matching and the network
     int *photographs;   // [n_photographs] black, white, the patterns (ffp_capture_photographs)
     int n_photographs;
+    FfpCapture there; // `capture` on a device, from its first use there; views NULL: it has had none
     FfpInitialisation start;
     FfpGaussians result;
     int64_t *pixel; // [result.count] index of each Gaussian's pixel
@@ -85,20 +87,52 @@ static bool predict_by_network(Work *w, const FfpModel *model, bool fitted, FfpE
     return ok;
 }
 
+// The photographs that a fit looks at: those under Gray codes come last. Returns their number.
+static int fitted_photographs(const Work *w, int photographs[FFP_PATTERNS_MAX]) {
+    int n = 0;
+    for (; n < w->n_photographs; n++) photographs[n] = w->photographs[n];
+    for (int p = ffp_patterns_shown(&w->capture); p < w->capture.n_patterns && n < FFP_PATTERNS_MAX; p++)
+        photographs[n++] = p;
+    return n;
+}
+
+// The capture on the device offered, where it stays for scores and fit; NULL: there is none, or pictures are
+// reduced before they are looked at.
+static const FfpCapture *capture_there(Work *w) {
+    const FfpDevice *device = ffp_device_offered();
+    int photographs[FFP_PATTERNS_MAX];
+    if (!device || ffp_pyramid_side(&w->capture) > 1) return NULL;
+    if (w->there.views) return &w->there;
+    const int n = fitted_photographs(w, photographs);
+    ffp_device_use(device);
+    w->there = ffp_capture_uploaded(&w->capture, photographs, n);
+    ffp_device_use(NULL);
+    return &w->there;
+}
+
 // PSNR on the photographs that the reconstruction is made from, of VIEWS_SCORED views if there are more.
-static double score(const Work *w, const FfpGaussians *gaussians, const int64_t *pixel,
+static double score(Work *w, const FfpGaussians *gaussians, const int64_t *pixel,
                     const FfpReconstruction *options) {
     const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, options->model);
     const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, pixel};
+    const FfpCapture *there = capture_there(w);
     FfpView views[VIEWS_SCORED];
-    FfpCapture some = w->capture;
+    FfpCapture some = there ? *there : w->capture;
     for (int k = 0; k < VIEWS_SCORED && some.n_views > VIEWS_SCORED; k++)
         views[k] = some.views[k * some.n_views / VIEWS_SCORED];
     if (some.n_views > VIEWS_SCORED) {
         some.views = views;
         some.n_views = VIEWS_SCORED;
     }
-    return ffp_pyramid_psnr(gaussians, &origin, &some, w->photographs, w->n_photographs, &settings);
+    if (!there)
+        return ffp_pyramid_psnr(gaussians, &origin, &some, w->photographs, w->n_photographs, &settings);
+    ffp_device_use(ffp_device_offered());
+    FfpGaussians splats = ffp_gaussians_uploaded(gaussians);
+    const double psnr =
+        ffp_pyramid_psnr(&splats, &origin, &some, w->photographs, w->n_photographs, &settings);
+    ffp_gaussians_free(&splats);
+    ffp_device_use(NULL);
+    return psnr;
 }
 
 // Keeps the classical initialisation where the network shows the photographs clearly worse than it. A small
@@ -140,10 +174,9 @@ static void keep_to_silhouettes(Work *w) {
 static bool polish(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats, FfpError *err) {
     FfpRefineSettings settings = ffp_polish_defaults(polish_steps(options, &w->capture));
     FfpRefineResult result;
-    int patterns[FFP_PATTERNS_MAX], n = 0;
-    for (; n < w->n_photographs; n++) patterns[n] = w->photographs[n];
-    for (int p = ffp_patterns_shown(&w->capture); p < w->capture.n_patterns && n < FFP_PATTERNS_MAX; p++)
-        patterns[n++] = p;
+    int patterns[FFP_PATTERNS_MAX];
+    const int n = fitted_photographs(w, patterns);
+    settings.there = capture_there(w);
     settings.codes = n - w->n_photographs;
     const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, w->pixel};
     settings.render = ffp_drawing_settings(options->drawing, options->model);
@@ -291,6 +324,11 @@ static bool begin(Work *w, const FfpCapture *capture, const FfpReconstruction *o
 static void end(Work *w, FfpImage *clean) {
     ffp_free(w->pixel);
     ffp_initialisation_free(&w->start);
+    if (w->there.views) {
+        ffp_device_use(ffp_device_offered());
+        ffp_capture_free(&w->there);
+        ffp_device_use(NULL);
+    }
     ffp_padded_capture_free(&w->padded, &w->capture);
     ffp_denoise_free(clean, &w->capture, w->photographs, w->n_photographs);
     ffp_normalised_alias_free(&w->capture);

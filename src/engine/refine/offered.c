@@ -12,12 +12,14 @@ bool ffp_refine_offered(FfpGaussians *gaussians, const FfpCapture *capture, cons
     if (beyond) ffp_note("the fit runs on the CPU: %s has no code for the GPU", beyond);
     if (!device || beyond) return ffp_refine(gaussians, capture, patterns, n_patterns, settings, result, err);
     ffp_device_use(device);
-    FfpCapture capture_there = ffp_capture_uploaded(capture);
+    FfpCapture uploaded = {0};
+    if (!settings->there) uploaded = ffp_capture_uploaded(capture, patterns, n_patterns);
     FfpGaussians there = ffp_gaussians_uploaded(gaussians);
-    const bool ok = ffp_refine(&there, &capture_there, patterns, n_patterns, settings, result, err);
+    const bool ok = ffp_refine(&there, settings->there ? settings->there : &uploaded, patterns, n_patterns,
+                               settings, result, err);
     if (ok) ffp_gaussians_download(gaussians, &there);
     ffp_gaussians_free(&there);
-    ffp_capture_free(&capture_there);
+    if (!settings->there) ffp_capture_free(&uploaded);
     ffp_device_use(NULL);
     return ok;
 }

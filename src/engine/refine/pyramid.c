@@ -19,8 +19,7 @@ typedef struct Pyramid {
     int coarsest; // side of its blocks
 } Pyramid;
 
-// Pixels of the full picture that are one of the smallest, a side: a power of two.
-static int coarsest_side(const FfpCapture *capture) {
+int ffp_pyramid_side(const FfpCapture *capture) {
     const FfpCamera *camera = &capture->views[0].camera;
     const int longer = camera->width > camera->height ? camera->width : camera->height;
     int side = 1;
@@ -85,6 +84,7 @@ static bool fit_level(const Pyramid *p, FfpGaussians *gaussians, const FfpGaussi
     char label[64];
     snprintf(label, sizeof label, "refining 1/%d", side);
     settings.label = label;
+    settings.there = NULL;
     settings.steps = steps_of(p, side);
     settings.shadow_looks = SHADOW_LOOKS;
     const bool ok = side > 1 ? fit_coarse(p, gaussians, &pictures, side, &settings, result, err)
@@ -108,7 +108,7 @@ double ffp_pyramid_psnr(const FfpGaussians *gaussians, const FfpOrigin *origin, 
                         const int *patterns, int n_patterns, const FfpRenderSettings *render) {
     FfpRenderSettings one_sample = *render;
     one_sample.samples = 1;
-    const int side = coarsest_side(capture);
+    const int side = ffp_pyramid_side(capture);
     if (side == 1 || ffp_device() || !origin->pixel || gaussians->count < 1)
         return ffp_photographs_psnr(gaussians, capture, patterns, n_patterns, &one_sample);
     FfpCapture small = ffp_reduced(capture, patterns, n_patterns, side);
@@ -122,7 +122,7 @@ double ffp_pyramid_psnr(const FfpGaussians *gaussians, const FfpOrigin *origin, 
 bool ffp_refine_pyramid(FfpGaussians *gaussians, const FfpOrigin *origin, const FfpCapture *capture,
                         const int *patterns, int n_patterns, const FfpRefineSettings *settings,
                         FfpRefineResult *result, FfpError *err) {
-    const Pyramid p = {origin, capture, patterns, n_patterns, settings, coarsest_side(capture)};
+    const Pyramid p = {origin, capture, patterns, n_patterns, settings, ffp_pyramid_side(capture)};
     if (p.coarsest == 1 || !origin->pixel || settings->steps < capture->n_views || gaussians->count < 1)
         return ffp_refine_offered(gaussians, capture, patterns, n_patterns, settings, result, err);
     if (ffp_device())

@@ -19,6 +19,9 @@ bool ffp_refine_pyramid(FfpGaussians *gaussians, const FfpOrigin *origin, const 
                         const int *patterns, int n_patterns, const FfpRefineSettings *settings,
                         FfpRefineResult *result, FfpError *err);
 
+// Pixels of the full picture that are one of the smallest, a side: a power of two.
+int ffp_pyramid_side(const FfpCapture *capture);
+
 // As ffp_photographs_psnr with one sample a pixel, on pictures reduced to FFP_PYRAMID_SIDE, by Gaussians that
 // are as much fewer and larger: to compare predictions with, at a price that does not grow with the pictures.
 // Not for what was fitted at full size, whose splats do not average to those of a smaller picture. On a

@@ -44,11 +44,12 @@ typedef struct FfpRefineSettings {
     int64_t steps;           // of one view each; 0: no limit
     double seconds;          // of wall clock; 0: no limit
     uint64_t seed;
-    bool may_stop;     // when cancelled, the fit returns its result so far
-    FILE *metrics;     // a line of JSON per round; NULL: none. Failing to write one ends the fit
-    bool measure;      // the PSNR before and after
-    bool quiet;        // reports no progress
-    const char *label; // of the progress; NULL: "refining"
+    bool may_stop;           // when cancelled, the fit returns its result so far
+    FILE *metrics;           // a line of JSON per round; NULL: none. Failing to write one ends the fit
+    bool measure;            // the PSNR before and after
+    bool quiet;              // reports no progress
+    const char *label;       // of the progress; NULL: "refining"
+    const FfpCapture *there; // for ffp_refine_offered: the capture, if it is on the device already
 } FfpRefineSettings;
 FfpRefineSettings ffp_refine_defaults(void); // from a prediction
 #define FFP_POLISH_DEFAULT_STEPS 72          // of eight views

@@ -8,7 +8,7 @@
 void ffp_scene_upload(FfpScene *there, const FfpScene *scene) {
     const FfpCapture *capture = &scene->capture;
     const size_t count = (size_t)ffp_prepared_count(scene->prepared);
-    *there = (FfpScene){.capture = ffp_capture_uploaded(capture),
+    *there = (FfpScene){.capture = ffp_capture_uploaded(capture, NULL, 0),
                         .borrowed = scene->borrowed,
                         .active = scene->active,
                         .targets_only = scene->targets_only,
@@ -18,7 +18,7 @@ void ffp_scene_upload(FfpScene *there, const FfpScene *scene) {
     for (int p = 0; p < capture->n_patterns; p++)
         there->patterns[p] = ffp_summed_uploaded(&scene->patterns[p]);
     // A borrowed scene's inputs are pictures of their own: filtered, and padded.
-    there->inputs = scene->borrowed ? ffp_capture_uploaded(&scene->inputs) : there->capture;
+    there->inputs = scene->borrowed ? ffp_capture_uploaded(&scene->inputs, NULL, 0) : there->capture;
     there->inputs.n_views = scene->inputs.n_views;
 }
 

@@ -123,6 +123,29 @@ static void test_polish(void **state) {
     check(6);
 }
 
+// A capture with positions from Gray codes: a device does without them, and leaves them to the host.
+static void test_codes(void **state) {
+    (void)state;
+    FfpCapture capture = small_capture();
+    for (int v = 0; v < capture.n_views; v++) {
+        FfpView *view = &capture.views[v];
+        view->correspondence = ffp_image_new(view->camera.width, view->camera.height, 3);
+        for (size_t i = 0; i < (size_t)view->camera.width * (size_t)view->camera.height; i++) {
+            real *position = view->correspondence.data + 3 * i;
+            position[0] = position[1] = 32;
+            position[2] = i % 5 == 0 ? 0.5F : 0;
+        }
+    }
+    FfpGaussians *here = reconstruct(&capture, NULL, 2, NULL),
+                 *there = reconstruct(&capture, NULL, 2, device);
+    assert_true(llabs((long long)(here->count - there->count)) <= here->count / 100);
+    assert_true(likeness(&capture, here, there) >= 38);
+    ffp_gaussians_close(here);
+    ffp_gaussians_close(there);
+    capture.n_views = 4;
+    ffp_capture_free(&capture);
+}
+
 typedef struct Notes {
     int on_the_cpu;
     char last[200];
@@ -167,7 +190,7 @@ static void test_fits_on_their_own(void **state) {
 int main(void) {
     if (!(device = find_device())) return 0;
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_memory_ends), cmocka_unit_test(test_network),
-                                       cmocka_unit_test(test_polish),
+                                       cmocka_unit_test(test_polish), cmocka_unit_test(test_codes),
                                        cmocka_unit_test(test_fits_on_their_own)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -327,7 +327,7 @@ static void test_a_fit_is_the_same(void **state) {
         large() ? ball_capture(count, VIEWS, 128, 100, 256) : ball_capture(count, VIEWS, 24, 20, 32);
     FfpGaussians here = ball_disturbed(count);
     ffp_device_use(device);
-    FfpCapture c_there = ffp_capture_uploaded(&c);
+    FfpCapture c_there = ffp_capture_uploaded(&c, NULL, 0);
     FfpGaussians there = ffp_gaussians_uploaded(&here);
     const Fitted b = fit(&there, &c_there);
     ffp_device_use(NULL);
