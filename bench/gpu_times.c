@@ -1,6 +1,6 @@
-// Milliseconds of what docs/design/performance.md says of a GPU: passes and steps of training, drawing,
-// losses, the polish, and products against the chip's own rate. On the emulation everything is tiny, once,
-// and times mean nothing.
+// Milliseconds of what docs/design/performance.md says of a GPU: passes and steps of training, stages of a
+// reconstruction, drawing, losses, the polish, and products against the chip's own rate. On the emulation
+// everything is tiny, once, and times mean nothing.
 //   gpu_times [PRESET]     of the passes and steps: small
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,6 +15,7 @@
 #include "engine/loss/metrics.h"
 #include "engine/loss/perceptual_net.h"
 #include "engine/network/layout.h"
+#include "engine/pipeline/reconstruct.h"
 #include "engine/refine/refine.h"
 #include "engine/render/pass.h"
 #include "lab/train/mirror.h"
@@ -78,7 +79,8 @@ static float *numbers(size_t count, uint64_t seed, float low, float high) {
 
 typedef struct Training {
     FfpTrainConfig config;
-    FfpScene made; // by the CPU
+    FfpModel *model; // the host's, as `made`
+    FfpScene made;
     const FfpScene *scene;
     FfpMirror *mirror;
     FfpTrainStep *stepper;
@@ -107,7 +109,7 @@ static void open_training(Training *t, const char *preset) {
     if (!ffp_train_config_parse(&t->config, text, "gpu_times", &err) ||
         !ffp_call_run(&context, make_scene, t, &err))
         fail(&err);
-    FfpModel *model = ffp_model_new(&t->config.model, 1, &err);
+    FfpModel *model = t->model = ffp_model_new(&t->config.model, 1, &err);
     if (!model) fail(&err);
     t->config.model = model->config;
     FfpAdam adam = ffp_adam_new(model);
@@ -151,6 +153,52 @@ static void step(void *training) {
     ffp_adam_update(&t->mirror->adam, &t->mirror->model, t->grad, &t->config, &skipped);
 }
 
+enum { STAGES = 4, RECONSTRUCTIONS = 5 };
+typedef struct Reconstructing {
+    const Training *of;
+    double seconds[STAGES][RECONSTRUCTIONS];
+} Reconstructing;
+
+static bool reconstruct(void *reconstructing, FfpError *err) {
+    Reconstructing *r = reconstructing;
+    const FfpReconstruction options = {.model = r->of->model,
+                                       .polish = tiny ? 2 : FFP_POLISH_STEPS,
+                                       .noise = 0.002,
+                                       .layers = FFP_LAYERS_AUTO};
+    FfpReconstructionStats stats;
+    for (int i = -1; i < (tiny ? 1 : RECONSTRUCTIONS); i++) { // the first is to warm up
+        FfpGaussians *g = ffp_reconstruction_run(&r->of->made.inputs, &options, &stats, err);
+        if (!g) return false;
+        ffp_gaussians_free(g);
+        ffp_free(g);
+        const double stages[STAGES] = {stats.denoise_s, stats.initialisation_s, stats.network_s,
+                                       stats.polish_s};
+        for (int s = 0; s < STAGES && i >= 0; s++) r->seconds[s][i] = stages[s];
+    }
+    return true;
+}
+
+// Stages of reconstructions by the GPU, and by the CPU alone.
+static void time_stages(const Training *t) {
+    const char *const names[STAGES] = {"noise", "matching", "network", "fit"};
+    const int n = tiny ? 1 : RECONSTRUCTIONS;
+    for (int cpu = 0; cpu < 2; cpu++) {
+        Reconstructing r = {.of = t};
+        FfpContext context = {.device = cpu ? NULL : device};
+        FfpError err = {0};
+        ffp_device_use(NULL);
+        if (!ffp_call_run(&context, reconstruct, &r, &err)) fail(&err);
+        printf("a reconstruction by the %s:", cpu ? "CPU" : "GPU");
+        for (int s = 0; s < STAGES; s++) {
+            qsort(r.seconds[s], (size_t)n, sizeof **r.seconds, ascending);
+            printf("%s %s %.1f", s ? "," : "", names[s], 1e3 * r.seconds[s][n / 2]);
+        }
+        printf(" ms\n");
+    }
+    fflush(stdout);
+    ffp_device_use(device);
+}
+
 static void time_training(const char *preset) {
     static Training t;
     open_training(&t, preset);
@@ -159,6 +207,7 @@ static void time_training(const char *preset) {
     report("training step, 4 views, 3 pictures each", step, &t, 1);
     t.config.polish_share = 1;
     report("step through a polish", step, &t, 1);
+    time_stages(&t);
 }
 
 // --- Drawing and the polish. ---

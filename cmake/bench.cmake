@@ -4,7 +4,7 @@
 if(TARGET ffp_cuda)
   add_executable(gpu_times EXCLUDE_FROM_ALL bench/gpu_times.c)
   target_include_directories(gpu_times PRIVATE ${PROJECT_SOURCE_DIR})
-  target_link_libraries(gpu_times PRIVATE ffp_cuda ffp_train)
+  target_link_libraries(gpu_times PRIVATE ffp_cuda ffp_pipeline ffp_train)
 endif()
 
 # Pictures and figures of the training world, for docs/.

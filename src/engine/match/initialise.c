@@ -261,5 +261,6 @@ bool ffp_initialisation_new(FfpInitialisation *initial, const FfpCapture *captur
         match_reduced(initial, capture, patterns, n, settings, factor);
     else
         match(initial, capture, patterns, n, settings);
+    initial->device = settings->device;
     return true;
 }

@@ -51,7 +51,8 @@ bool ffp_pixel_context_new(FfpPixelContext *context, const FfpModelConfig *confi
     ffp_free(photographs);
     context->start = (FfpInitialisation){0};
     context->reduced = true;
-    const FfpMatchSettings settings = ffp_match_defaults();
+    FfpMatchSettings settings = ffp_match_defaults();
+    if (start) settings.device = start->device;
     if (!start || ffp_initialisation_new(&context->start, &context->capture, patterns, n, &settings, err))
         return true;
     ffp_pixel_context_free(context);
