@@ -1,8 +1,8 @@
 // Devices: where arrays are stored and which processor works on them, the interface to a GPU. A thread works
 // on the CPU unless it chooses a device. While it works on a device, the rooms' functions that dispatch
-// (tensor, match, render, loss, network, refine: their headers say which) take pointers to that device's memory, and
-// memory is allocated there. Structs (images, G-buffers, Gaussians, cameras) stay on the host: only the
-// arrays they point to move.
+// (tensor, match, render, loss, network, refine: their headers say which) take pointers to that device's
+// memory, and memory is allocated there. Structs (images, G-buffers, Gaussians, cameras) stay on the host:
+// only the arrays they point to move.
 #ifndef FFP_BASE_DEVICE_H
 #define FFP_BASE_DEVICE_H
 

@@ -254,7 +254,7 @@ static __global__ void fine_kernel(real *out, const real *depth, const FfpPlane 
         FfpCell channels = {{0, 0, 0, 0}};
         cost[k] = 0;
         ffp_fine_costs(cost + k, &channels, &search, &plane, (int)(i % (size_t)s.camera.width),
-                       (int)(i / (size_t)s.camera.width), step, FfpFineSpan{k, k + 1});
+                       (int)(i / (size_t)s.camera.width), FfpFineSpan{k, k + 1, step});
     }
     __syncthreads();
     if (i >= pixels || threadIdx.x % ABREAST != 0) return;

@@ -13,13 +13,13 @@
 // Hypotheses `from` up to, not including, `end`, numbered from 0 at -range.
 typedef struct FfpFineSpan {
     int from, end;
+    real step; // between two of them
 } FfpFineSpan;
 
 // Adds the costs of the neighbour at (x + dx, y + dy) along the plane, `outside` for hypotheses off the
 // pattern; both begin at the span's first. Returns its weight.
 FFP_FORMULA real ffp_fine_neighbour(FfpCell *cost, real *outside, const FfpFineSearch *search,
-                                    const FfpPlane *plane, int x, int y, int dx, int dy, real step,
-                                    FfpFineSpan span) {
+                                    const FfpPlane *plane, int x, int y, int dx, int dy, FfpFineSpan span) {
     // Weight of a neighbour by its squared distance: exp(-0.35 d^2).
     static const real nearness[FFP_FINE_WINDOW * FFP_FINE_WINDOW + 2] = {1,       0.7047F, 0.4966F,
                                                                          0.3499F, 0.2466F, 0.1738F};
@@ -37,7 +37,7 @@ FFP_FORMULA real ffp_fine_neighbour(FfpCell *cost, real *outside, const FfpFineS
         real u[FFP_MATCH_LANES], v[FFP_MATCH_LANES];
         FfpCellPlaces cells;
         FfpCell *here_cost = cost + (k - span.from);
-        ffp_line_positions(&inverse, base, step, k - search->steps / 2, u, v);
+        ffp_line_positions(&inverse, base, span.step, k - search->steps / 2, u, v);
         ffp_find_cells(&cells, patterns, u, v);
         const int lanes = span.end - k < FFP_MATCH_LANES ? span.end - k : FFP_MATCH_LANES;
         for (int p = 0; p < observed->count; p++) {
@@ -53,10 +53,10 @@ FFP_FORMULA real ffp_fine_neighbour(FfpCell *cost, real *outside, const FfpFineS
     return near * observed->lit[i];
 }
 
-// Costs of the span's hypotheses, `step` apart, at the pixel's plane; channels is working memory, both are
+// Costs of the span's hypotheses at the pixel's plane; channels is working memory, both are
 // [end - from] and zero.
 FFP_FORMULA void ffp_fine_costs(real *cost, FfpCell *channels, const FfpFineSearch *search,
-                                const FfpPlane *plane, int x, int y, real step, FfpFineSpan span) {
+                                const FfpPlane *plane, int x, int y, FfpFineSpan span) {
     const FfpObservation *observed = search->observed;
     real total = 0;
     for (int dy = -FFP_FINE_WINDOW; dy <= FFP_FINE_WINDOW; dy++) {
@@ -64,7 +64,7 @@ FFP_FORMULA void ffp_fine_costs(real *cost, FfpCell *channels, const FfpFineSear
             if (dx * dx + dy * dy > FFP_FINE_WINDOW * FFP_FINE_WINDOW + 1) continue;
             if (x + dx < 0 || x + dx >= observed->width || y + dy < 0 || y + dy >= observed->height) continue;
             if (observed->lit[(size_t)(y + dy) * (size_t)observed->width + (size_t)(x + dx)] <= 0) continue;
-            total += ffp_fine_neighbour(channels, cost, search, plane, x, y, dx, dy, step, span);
+            total += ffp_fine_neighbour(channels, cost, search, plane, x, y, dx, dy, span);
         }
     }
     const real middle = (real)(search->steps / 2);

@@ -101,9 +101,10 @@ static void search_finely(const Searched *out, const FfpSearch *s, const FfpMatc
     FfpSheet sheet = sheet_uploaded(&s->camera);
     FfpPlane *planes = ffp_memory_new(area, sizeof *planes);
     real *finer = ffp_memory_new(area, sizeof(real)), span = 2 * s->planes.step;
-    for (int round = 0; round < FFP_SEARCH_ROUNDS; round++, span /= 2) {
+    for (int round = 0; round < FFP_SEARCH_ROUNDS; round++) {
         ffp_device()->match->refine(finer, out->depth, out->confidence, s, &sheet, planes, steps, span);
         ffp_memory_copy(out->depth, finer, area * sizeof(real));
+        span /= 2;
     }
     void *const blocks[] = {sheet.nearness, sheet.jump, sheet.depth, sheet.inverse,
                             sheet.weight,   planes,     finer};

@@ -9,6 +9,6 @@ real FFP_K(refine_pixel)(const FfpFineSearch *search, const FfpPlane *plane, int
         channels[k] = (FfpCell){0};
         cost[k] = 0;
     }
-    ffp_fine_costs(cost, channels, search, plane, x, y, step, (FfpFineSpan){0, steps});
+    ffp_fine_costs(cost, channels, search, plane, x, y, (FfpFineSpan){0, steps, step});
     return plane->q0 + (ffp_fine_least(cost, steps) - (real)(steps / 2)) * step;
 }
