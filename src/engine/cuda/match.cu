@@ -11,7 +11,7 @@ extern "C" {
 #include "engine/match/plane_formula.h"
 
 enum { THREADS = 128, WARPS = THREADS / FFP_WARP };
-const int EACH = FFP_SEARCH_PLANES_MAX / (int)FFP_WARP; // planes a lane
+const int EACH = FFP_SEARCH_PLANES_MAX / (int)FFP_WARP; // planes a lane at most
 
 static size_t cells_of(const FfpSearch *s) {
     return s->foreground.count * (size_t)s->planes.count;
@@ -92,38 +92,39 @@ static __global__ void paths_kernel(real *paths, const real *cost, FfpSearch s) 
     int x, y;
     if (!begin_line(&x, &y, dx, dy, (int)(blockIdx.x * WARPS + threadIdx.x / FFP_WARP), width, height))
         return;
+    const int each = (count + (int)FFP_WARP - 1) / (int)FFP_WARP; // planes a lane, one after the other
     real path[EACH], least = 0;
 #pragma unroll
     for (int e = 0; e < EACH; e++) path[e] = 0;
     real *out = paths + (size_t)way * s.foreground.count * (size_t)count;
     for (; x >= 0 && y >= 0 && x < width && y < height; x += dx, y += dy) {
         const size_t slot = s.foreground.slot[(size_t)y * (size_t)width + (size_t)x];
-        real before[EACH], lowest = FFP_FAR_COST;
-        const bool off = slot == FFP_OFF;
+        real last = path[0], lowest = FFP_FAR_COST;
 #pragma unroll
-        for (int e = 0; e < EACH; e++) before[e] = path[e];
+        for (int e = 1; e < EACH; e++)
+            if (e < each) last = path[e];
+        real below = __shfl_up_sync(0xffffffffu, last, 1);
+        const real next = __shfl_down_sync(0xffffffffu, path[0], 1), jump = least + FFP_LARGE_STEP;
+        if (lane == 0) below = FFP_FAR_COST;
 #pragma unroll
-        for (int e = 0; e < EACH; e++) { // plane lane + e * FFP_WARP; those beside it are other lanes'
-            const int k = lane + e * FFP_WARP;
-            if (e * FFP_WARP >= count) break;
-            real below = __shfl_up_sync(0xffffffffu, before[e], 1),
-                 above = __shfl_down_sync(0xffffffffu, before[e], 1);
-            const real wrap_below = __shfl_sync(0xffffffffu, before[e > 0 ? e - 1 : 0], FFP_WARP - 1),
-                       wrap_above = __shfl_sync(0xffffffffu, before[e + 1 < EACH ? e + 1 : e], 0);
-            if (lane == 0) below = e > 0 ? wrap_below : FFP_FAR_COST;
-            if (lane == FFP_WARP - 1) above = wrap_above;
-            if (k + 1 >= count) above = FFP_FAR_COST;
-            path[e] = 0;
-            if (off || k >= count) continue;
-            const real beside = (below < above ? below : above) + FFP_SMALL_STEP;
-            const real near = before[e] < beside ? before[e] : beside, jump = least + FFP_LARGE_STEP;
+        for (int e = 0; e < EACH; e++) {
+            const int k = lane * each + e;
+            if (e >= each || k >= count) break;
             const size_t cell = slot * (size_t)count + (size_t)k;
+            const real before = path[e], above = k + 1 == count ? FFP_FAR_COST
+                                                 : e + 1 < EACH && e + 1 < each
+                                                     ? path[e + 1 < EACH ? e + 1 : e]
+                                                     : next;
+            path[e] = 0;
+            if (slot == FFP_OFF) continue;
+            const real beside = (below < above ? below : above) + FFP_SMALL_STEP;
+            const real near = before < beside ? before : beside;
             path[e] = cost[cell] + (near < jump ? near : jump) - least;
             out[cell] = path[e];
             lowest = path[e] < lowest ? path[e] : lowest;
+            below = before;
         }
-        least = -ffp_warp_max(-lowest);
-        if (off) least = 0;
+        least = slot == FFP_OFF ? 0 : -ffp_warp_max(-lowest);
     }
 }
 

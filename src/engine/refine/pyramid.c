@@ -109,7 +109,7 @@ double ffp_pyramid_psnr(const FfpGaussians *gaussians, const FfpOrigin *origin, 
     FfpRenderSettings one_sample = *render;
     one_sample.samples = 1;
     const int side = ffp_pyramid_side(capture);
-    if (side == 1 || ffp_device() || !origin->pixel || gaussians->count < 1)
+    if (side == 1 || !origin->pixel || gaussians->count < 1)
         return ffp_photographs_psnr(gaussians, capture, patterns, n_patterns, &one_sample);
     FfpCapture small = ffp_reduced(capture, patterns, n_patterns, side);
     FfpCoarse coarse = ffp_coarse_new(gaussians, origin, side);

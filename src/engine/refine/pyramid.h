@@ -24,8 +24,7 @@ int ffp_pyramid_side(const FfpCapture *capture);
 
 // As ffp_photographs_psnr with one sample a pixel, on pictures reduced to FFP_PYRAMID_SIDE, by Gaussians that
 // are as much fewer and larger: to compare predictions with, at a price that does not grow with the pictures.
-// Not for what was fitted at full size, whose splats do not average to those of a smaller picture. On a
-// device the pictures are those of full size.
+// Not for what was fitted at full size, whose splats do not average to those of a smaller picture.
 double ffp_pyramid_psnr(const FfpGaussians *gaussians, const FfpOrigin *origin, const FfpCapture *capture,
                         const int *patterns, int n_patterns, const FfpRenderSettings *render);
 
