@@ -1,12 +1,13 @@
 'use strict';
 // The pattern that makes a camera see the projector's content on the object, in closed form (engine/apply/closed.c):
 // 'colours' asks for the content's light times a gain, 'paint' for the look of the object between dark and full light.
-// The Gaussians are drawn at the pattern's own pixels, as the projector sees them, and each of these asks the target for
-// what the camera should see of its point. Several corrected projectors share the light where they overlap, by feathers.
+// The Gaussians are drawn at the pattern's own pixels, as the projector sees them, and as the camera sees them; each pixel
+// asks the target for what the camera should see where the pixel's ray meets the camera's surface. Several corrected
+// projectors share the light where they overlap, by feathers.
 
-const TILE = [1024, 512];                  // pixels drawn at once
+const TILE = [2048, 1024];                 // pixels drawn at once, at most
 const COARSE = 4;                          // pixels of the pattern a side for one of the maps, while things move
-const TARGET_MAX = 2048, SEEN_SIDE = 1024; // longer sides, pixels: of the target, of the map of what the camera sees
+const TARGET_MAX = 2048, SEEN_SIDE = 1024; // longer sides, pixels: of the target, of the camera's G-buffer
 const HOLE_MAX = 64;                       // pixels of the pattern over which others lend their levels
 const FEATHER_SIDE = 512, FEATHER_SHARE = 20; // longer side of a feather; as many times its width, of engine/apply/surface.c
 const COUNT_SIDE = 64;                     // of the map in which projectors that overlap are counted
@@ -67,42 +68,49 @@ class CorrectionMaps {
     const fineness = (d) => d.fx / Math.max(renderer.centreDepth(d), 0.1 * (renderer.scene.radius || 1));
     const wider = times * fineness(grid) / fineness(camera), longer = Math.max(camera.width, camera.height);
     this.target = shadowDevice(camera, Math.min(wider * longer, TARGET_MAX)); // about as fine as the pattern
-    const seen = shadowDevice(camera, SEEN_SIDE / times);
-    this.seen = graphics.fit(this.seen, seen.width, seen.height, [sumFormat]);
-    renderer.rasterise(this.seen, seen, renderer.centreDepth(camera), 'shadow.frag');
     this.maps = graphics.fit(this.maps, grid.width, grid.height, [gl.RGBA16F, gl.RGBA16F, gl.RG32F]);
-    if (others.length) this.shares = graphics.fit(this.shares, grid.width, grid.height, [gl.RGBA16F, gl.RGBA16F]);
+    const device = shadowDevice(camera, SEEN_SIDE / times), sums = graphics.target(device.width, device.height, [sumFormat, sumFormat, sumFormat, sumFormat]);
+    const [u_g0, u_g1, u_g2, u_g3] = sums.textures, seen = {u_g0, u_g1, u_g2, u_g3, u_depth: renderer.centreDepth(camera)};
+    renderer.rasterise(sums, device, seen.u_depth, 'splats.frag');
+    this.drawTiles(grid, seen);
+    if (others.length) this.drawShares(grid, seen, others);
     else graphics.free(this.shares), this.shares = null;
-    this.drawTiles(grid, camera, others);
+    graphics.free(sums);
     this.near = findNear(graphics, this.maps.textures[0], grid, [HOLE_MAX / times, clamp(wider, 1, HOLE_MAX) / times], this.near);
     this.most = others.length ? this.countMost() : 1;
     this.key = this.keyOf(grid, camera, others);
   }
 
-  drawTiles(grid, camera, others) {
-    const {renderer} = this, {graphics, sumFormat, settings} = renderer, {gl} = graphics, depth = renderer.centreDepth(grid);
-    const sums = graphics.target(...TILE, [sumFormat, sumFormat, sumFormat, sumFormat]), [u_g0, u_g1, u_g2, u_g3] = sums.textures;
-    if (this.shares) graphics.clear(this.shares);
-    for (let y = 0; y < grid.height; y += TILE[1])
-      for (let x = 0; x < grid.width; x += TILE[0]) {
-        renderer.rasterise(sums, grid, depth, 'splats.frag', [x, y]);
-        const seen = {u_g0, u_g1, u_g2, u_g3, u_depth: depth, u_corner: [x, y], ...deviceUniforms('camera', grid)};
+  // `seen`: the camera's G-buffer.
+  drawTiles(grid, seen) {
+    const {renderer} = this, {graphics, sumFormat} = renderer, {gl} = graphics, depth = renderer.centreDepth(grid);
+    const width = Math.min(TILE[0], grid.width), height = Math.min(TILE[1], grid.height), surface = graphics.target(width, height, [sumFormat]);
+    for (let y = 0; y < grid.height; y += height)
+      for (let x = 0; x < grid.width; x += width) {
+        renderer.rasterise(surface, grid, depth, 'shadow.frag', [x, y]);
         gl.enable(gl.SCISSOR_TEST);
-        gl.scissor(x, y, ...TILE);
+        gl.scissor(x, y, width, height);
         graphics.fill(this.maps, ['gbuffer.glsl', 'light.glsl', 'response.frag'], {
-          ...seen, ...deviceUniforms('projector', this.target),
-          u_shadow: this.seen.textures[0], u_shadow_depth: renderer.centreDepth(camera), u_shadow_bias: settings.shadow_bias,
+          ...seen, ...deviceUniforms('camera', grid), ...deviceUniforms('projector', this.target),
+          u_surface: surface.textures[0], u_surface_depth: depth, u_corner: [x, y],
+          u_shadow: seen.u_g0, u_shadow_depth: seen.u_depth, u_shadow_bias: renderer.settings.shadow_bias,
           u_shadows: true, u_footprint: false, u_intensity: renderer.scene.intensity,
         });
-        gl.enable(gl.BLEND);
-        gl.blendFunc(gl.ONE, gl.ONE);
-        for (const other of others)
-          graphics.fill(this.shares, ['gbuffer.glsl', 'light.glsl', 'share.frag'],
-                        {...renderer.lightUniforms(other, grid), ...seen, u_footprint: false, u_watcher: positionOf(camera.pose), u_feather: other.feather.texture});
-        gl.disable(gl.BLEND);
         gl.disable(gl.SCISSOR_TEST);
       }
-    graphics.free(sums);
+    graphics.free(surface);
+  }
+
+  drawShares(grid, seen, others) {
+    const {renderer} = this, {graphics} = renderer, {gl} = graphics, [u_response, , u_place] = this.maps.textures;
+    this.shares = graphics.fit(this.shares, grid.width, grid.height, [gl.RGBA16F, gl.RGBA16F]);
+    graphics.clear(this.shares);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE);
+    for (const other of others)
+      graphics.fill(this.shares, ['gbuffer.glsl', 'light.glsl', 'share.frag'],
+                    {...renderer.lightUniforms(other, this.target), ...seen, u_response, u_place, u_feather: other.feather.texture});
+    gl.disable(gl.BLEND);
   }
 
   // The most projectors that light one place, among those that at least a hundredth of the lit pixels share.
@@ -116,7 +124,7 @@ class CorrectionMaps {
     return Math.max(1, counts.findLastIndex((n) => n && 100 * n >= lit));
   }
 
-  free() { for (const target of [this.seen, this.maps, this.near, this.shares]) this.renderer.graphics.free(target); }
+  free() { for (const target of [this.maps, this.near, this.shares]) this.renderer.graphics.free(target); }
 }
 
 class Compensator {

@@ -10,9 +10,17 @@ struct Sums {
   vec3 ambient;
 };
 
-Sums sums_at(ivec2 p) {
-  vec4 a = texelFetch(u_g0, p, 0), b = texelFetch(u_g1, p, 0), c = texelFetch(u_g2, p, 0), d = texelFetch(u_g3, p, 0);
+Sums sums_of(vec4 a, vec4 b, vec4 c, vec4 d) {
   return Sums(a.w, a.x + u_depth * a.w, vec3(a.yz, b.x), vec3(b.yz, c.x), c.y, vec3(c.z, d.xy));
+}
+
+Sums sums_at(ivec2 p) {
+  return sums_of(texelFetch(u_g0, p, 0), texelFetch(u_g1, p, 0), texelFetch(u_g2, p, 0), texelFetch(u_g3, p, 0));
+}
+
+// At a share of the picture.
+Sums sums_between(vec2 share) {
+  return sums_of(linear_at(u_g0, share), linear_at(u_g1, share), linear_at(u_g2, share), linear_at(u_g3, share));
 }
 
 // The depth of the surface, 0 where the opacity is too low for one.

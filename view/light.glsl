@@ -71,15 +71,21 @@ struct Mapped {
   float visibility; // 0: no light
 };
 
-// ffp_map_pixel
-Mapped map_pixel(ivec2 p, float z) {
+// ffp_map_pixel at any place, without the footprint
+Mapped map_place(vec2 at, float z) {
   Mapped m = Mapped(vec2(-1.0), vec2(1.0), 0.0);
   if (z == 0.0) return m;
-  vec3 there = pattern_position(vec2(p) + 0.5, z);
+  vec3 there = pattern_position(at, z);
   m.uv = there.xy;
   if (!(there.z > 0.0) || any(lessThan(m.uv, vec2(0.0))) || any(greaterThan(m.uv, projector_size))) return m;
   m.visibility = u_shadows ? light_through(m.uv, there.z) : 1.0;
-  if (u_footprint) m.extent = pattern_extent(p, m.uv, z);
+  return m;
+}
+
+// ffp_map_pixel
+Mapped map_pixel(ivec2 p, float z) {
+  Mapped m = map_place(vec2(p) + 0.5, z);
+  if (u_footprint && m.visibility > 0.0) m.extent = pattern_extent(p, m.uv, z);
   return m;
 }
 

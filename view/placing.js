@@ -2,6 +2,7 @@
 // Placing layers by hand: the projector's picture, flat, with handles; the list of layers and their numbers in the panel.
 
 const GRIP = 7, REACH = 14, TURN_REACH = 26, FLAT_MARGIN = 30, BAR = 50; // CSS pixels
+const BEHIND_SIDE = 480, BEHIND = 0.7, BEFORE = 0.7; // the object behind the layers: its longer side, pixels; how opaque both are
 
 // The projector's picture lies below the object while layers are placed.
 class FlatPicture {
@@ -18,11 +19,27 @@ class FlatPicture {
 
   get shown() { return this.app.mode === 'place'; }
 
-  // Its place on the screen: {left, top, width, height}, CSS pixels; the frame is the panel's, or that of the camera for which
-  // it is corrected.
+  // The device whose frame it has: the projector, or the camera for which it is corrected.
+  get device() {
+    const {projector} = this.app;
+    return projector.corrected ? this.app.watcherOf(projector) : projector.device;
+  }
+
+  // The object in that frame, drawn again when the device has moved.
+  object() {
+    const device = shadowDevice(this.device, BEHIND_SIDE), key = JSON.stringify(device), {width, height} = device;
+    if (key !== this.objectKey) {
+      this.behind = makeCanvas(width, height);
+      this.behind.getContext('2d').putImageData(new ImageData(this.app.renderer.albedoSeen(device), width, height), 0, 0);
+      this.objectKey = key;
+    }
+    return this.behind;
+  }
+
+  // Its place on the screen: {left, top, width, height}, CSS pixels.
   box() {
     const {app} = this, [width, height] = app.windowSize(), top = height * OBJECT_SHARE, foot = height < innerHeight ? 8 : 70;
-    const shape = app.projector.corrected ? app.watcherOf(app.projector) : app.projector.device;
+    const shape = this.device;
     const room = [width - 2 * FLAT_MARGIN, height - top - BAR - FLAT_MARGIN - foot], s = Math.max(0.01, Math.min(room[0] / shape.width, room[1] / shape.height));
     const [w, h] = [shape.width * s, shape.height * s];
     return {left: (width - w) / 2, top: top + BAR + (room[1] - h) / 2, width: w, height: h, all: {top, width, height: height - top}};
@@ -109,9 +126,15 @@ class FlatPicture {
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, width, height);
     const [w, h] = [box.width, box.height].map((side) => Math.max(1, Math.round(side * ratio))), picture = scratch('picture', w, h);
-    picture.fillRect(0, 0, w, h);
+    const at = [Math.round(box.left * ratio), Math.round((box.top - all.top) * ratio)];
     app.projector.draw(picture, w, h);
-    context.drawImage(picture.canvas, Math.round(box.left * ratio), Math.round((box.top - all.top) * ratio));
+    context.fillStyle = '#000';
+    context.fillRect(...at, w, h);
+    context.globalAlpha = BEHIND;
+    context.drawImage(this.object(), ...at, w, h);
+    context.globalAlpha = BEFORE;
+    context.drawImage(picture.canvas, ...at);
+    context.globalAlpha = 1;
     context.setTransform(ratio, 0, 0, ratio, box.left * ratio, (box.top - all.top) * ratio);
     context.strokeStyle = '#8a8a8a', context.lineWidth = 1;
     context.strokeRect(0, 0, box.width, box.height);
@@ -243,7 +266,7 @@ function buildPlace(app) {
       : {...place, x: 0, y: 0, width: 1, height: 1, turn: 0}, false);
   };
   $('fit-object').onclick = () => {
-    const {projector, scene} = app, {layer} = projector, device = projector.corrected ? app.watcherOf(projector) : projector.device;
+    const {projector, scene} = app, {layer} = projector, {device} = flat;
     app.placed(placeInPart(layer.frame(device.width, device.height), partOf(scene.splats, device)), false);
   };
   pick('size');

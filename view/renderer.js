@@ -262,6 +262,18 @@ class Renderer {
     return far > near ? [near, far] : [near, near + 1];
   }
 
+  // The albedo that a device sees, RGBA bytes with row 0 on top.
+  albedoSeen(device) {
+    const {graphics} = this, {width, height} = device, format = this.sumFormat, u_depth = this.centreDepth(device);
+    const sums = graphics.target(width, height, [format, format, format, format]), shot = graphics.target(width, height, [graphics.gl.RGBA8]);
+    const [u_g0, u_g1, u_g2, u_g3] = sums.textures;
+    this.rasterise(sums, device, u_depth, 'splats.frag');
+    graphics.fill(shot, ['gbuffer.glsl', 'maps.frag'], {u_g0, u_g1, u_g2, u_g3, u_depth, u_map: 3, u_range: [0, 1], u_flip: false, u_size: [width, height]});
+    const data = graphics.readBytes(shot);
+    for (const target of [sums, shot]) graphics.free(target);
+    return data;
+  }
+
   // The picture as numbers: RGBA bytes, row 0 on top.
   picture(camera, side, projectors, ambient, exposure, map = null) {
     const {graphics} = this;
