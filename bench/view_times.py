@@ -9,14 +9,14 @@ sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "tests", "produ
 import browser  # noqa: E402
 
 # Splats that reach a sample, counted by adding ones.
-COUNT = """(() => { if (!document.getElementById('count.frag')) {
-    const element = document.createElement('script'); element.type = 'x-shader', element.id = 'count.frag';
+COUNT = """(() => { if (!document.getElementById('reached.frag')) {
+    const element = document.createElement('script'); element.type = 'x-shader', element.id = 'reached.frag';
     element.textContent = document.getElementById('shadow.frag').textContent.replace(/o_0 = min.*;/, 'o_0 = vec4(1.0);');
     document.body.append(element); }
   const {renderer, graphics} = viewer, {gl} = graphics, d = renderer.view.device;
   const target = graphics.target(d.width, d.height, [gl.RGBA32F]), blend = gl.blendFunc;
   gl.blendFunc = () => blend.call(gl, gl.ONE, gl.ONE);
-  renderer.rasterise(target, d, 0, 'count.frag');
+  renderer.rasterise(target, d, 0, 'reached.frag');
   delete gl.blendFunc;
   let sum = 0, covered = 0;
   const texels = graphics.readFloats(target);
