@@ -35,7 +35,8 @@ static void cut(FfpCapture *capture, const Part *part) {
     }
 }
 
-// Every third object fills all of its pictures, the others have room around them.
+// Every third object fills all of its pictures, the others have room around them; of three views and more the
+// last shows nothing.
 static FfpCapture some_capture(uint64_t seed) {
     FfpCapture capture;
     FfpError err = {0};
@@ -50,6 +51,10 @@ static FfpCapture some_capture(uint64_t seed) {
     const int side = spec.resolution, edge = seed % 3 == 0 ? side * 3 / 8 : 0;
     const int left = edge + (int)ffp_rng_below(&rng, 4), top = edge + (int)ffp_rng_below(&rng, 4);
     cut(&capture, &(Part){left, top, side - edge - left, side - edge - top});
+    if (capture.n_views > 2) {
+        FfpImage *none = &capture.views[capture.n_views - 1].coverage;
+        memset(none->data, 0, (size_t)none->width * (size_t)none->height * sizeof(real));
+    }
     const real centre[3] = {capture.centre[0], capture.centre[1], capture.centre[2]};
     ffp_capture_normalise(&capture, centre, capture.radius);
     return capture;
