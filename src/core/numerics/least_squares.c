@@ -4,11 +4,11 @@
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 
-#define DAMPING 1e-3 // at first, of the diagonal
-#define LESS 0.3     // behind a step that took
-#define MORE 5.0     // and behind one that did not
-#define RIDGE 1e-12  // for numbers that move nothing
-enum { ATTEMPTS = 12 };
+#define DAMPING 1e-3                // at first, of the diagonal
+#define LESS 0.3                    // behind a step that took
+#define MORE 5.0                    // and behind one that did not
+#define RIDGE 1e-12                 // for numbers that move nothing
+enum { ATTEMPTS = 12, BESIDE = 4 }; // sums side by side: each would wait for its own last addition
 
 // LAPACK's, which OpenBLAS has without a header.
 void dposv_(const char *half, const int *n, const int *columns, double *a, const int *lda, double *b,
@@ -101,11 +101,17 @@ static void gather(const Fit *fit) {
         fit->vector[k] = 0;
         for (int i = 0; i < count; i++)
             if (fit->weights[i] > 0) fit->vector[k] += fit->weights[i] * slope[i] * fit->here[i];
-        for (int m = 0; m <= k; m++) {
-            const double *other = fit->slopes + (size_t)m * (size_t)count;
-            double sum = 0;
-            for (int i = 0; i < count; i++) sum += fit->weights[i] * slope[i] * other[i];
-            fit->matrix[n * k + m] = fit->matrix[n * m + k] = sum;
+        for (int m = 0; m <= k; m += BESIDE) {
+            const double *others[BESIDE];
+            double sums[BESIDE] = {0};
+            for (int b = 0; b < BESIDE; b++)
+                others[b] = fit->slopes + (size_t)(m + b <= k ? m + b : k) * (size_t)count;
+            for (int i = 0; i < count; i++) {
+                const double weighted = fit->weights[i] * slope[i];
+                for (int b = 0; b < BESIDE; b++) sums[b] += weighted * others[b][i];
+            }
+            for (int b = 0; b < BESIDE && m + b <= k; b++)
+                fit->matrix[n * k + m + b] = fit->matrix[n * (m + b) + k] = sums[b];
         }
     }
 }

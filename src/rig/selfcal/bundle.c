@@ -74,9 +74,11 @@ static void differences(const void *state, const double *by, double *out) {
     const FfpDevices d = devices_of(b, optics, places);
     for (int i = 0; i < fit->n_tracks; i++) {
         const FfpTrack *track = &b->tracks->tracks[fit->tracks[i]];
+        double ray[3];
         memset(out + fit->at[i], 0, 2 * (size_t)track->n * sizeof *out);
-        ffp_devices_nearness(&d, track, b->tracks->sightings + track->first, b->nearness[fit->tracks[i]],
-                             out + fit->at[i]);
+        ffp_bundle_ray(&d.projector, track->panel, ray);
+        ffp_devices_nearness(&d, ray, b->tracks->sightings + track->first, track->n,
+                             b->nearness[fit->tracks[i]], out + fit->at[i]);
     }
     ffp_optics_unusual(optics, &b->focal, fit->firm, unit_of(&places[fit->places[0]]) / fit->unit,
                        out + fit->count - FFP_BUNDLE_PRIORS);
@@ -97,7 +99,9 @@ void ffp_bundle_triangulate(FfpBundle *b) {
     for (int i = 0; i < b->tracks->n; i++) {
         const FfpTrack *track = &b->tracks->tracks[i];
         const FfpSighting *s = b->tracks->sightings + track->first;
-        b->nearness[i] = ffp_devices_nearness(&d, track, s, b->nearness[i], NULL);
+        double ray[3];
+        ffp_bundle_ray(&d.projector, track->panel, ray);
+        b->nearness[i] = ffp_devices_nearness(&d, ray, s, track->n, b->nearness[i], NULL);
     }
 }
 

@@ -38,9 +38,10 @@ FfpBundleDevice ffp_bundle_projector(const FfpTracks *t, const double optics[FFP
 }
 
 bool ffp_bundle_ray(const FfpBundleDevice *device, const double pixel[2], double ray[3]) {
-    ray[2] = 1;
-    return ffp_lens_undistort(device->lens, (pixel[0] - device->x) / device->fx,
-                              (pixel[1] - device->y) / device->fy, ray);
+    const bool ok = ffp_lens_undistort(device->lens, (pixel[0] - device->x) / device->fx,
+                                       (pixel[1] - device->y) / device->fy, ray);
+    ray[2] = ok;
+    return ok;
 }
 
 bool ffp_bundle_pixel(const FfpBundleDevice *camera, const double x[3], double at[2]) {
@@ -95,14 +96,13 @@ static double first_nearness(const FfpDevices *d, const FfpSighting *s, int n, c
     return below > 0 ? above / below : 0;
 }
 
-double ffp_devices_nearness(const FfpDevices *d, const FfpTrack *track, const FfpSighting *s, double start,
-                            double *differences) {
-    double ray[3];
-    bool ok = ffp_bundle_ray(&d->projector, track->panel, ray);
-    double nearness = start > 0 ? start : ok ? first_nearness(d, s, track->n, ray) : 0;
+double ffp_devices_nearness(const FfpDevices *d, const double ray[3], const FfpSighting *s, int n,
+                            double start, double *differences) {
+    const bool ok = ray[2] > 0;
+    double nearness = start > 0 ? start : ok ? first_nearness(d, s, n, ray) : 0;
     for (int step = 0; ok && step <= NEARNESS_STEPS; step++) {
         double above = 0, below = 0;
-        for (int i = 0; i < track->n; i++) {
+        for (int i = 0; i < n; i++) {
             if (!counts(d, &s[i])) continue;
             const FfpRigid *pose = &d->places[s[i].place];
             const double x[3] = {ffp_dot(pose->r, ray), ffp_dot(pose->r + 3, ray), ffp_dot(pose->r + 6, ray)};

@@ -46,7 +46,7 @@ typedef struct FfpBundleDevice {
 
 FfpBundleDevice ffp_bundle_camera(const FfpTracks *tracks, const double optics[FFP_BUNDLE_OPTICS]);
 FfpBundleDevice ffp_bundle_projector(const FfpTracks *tracks, const double optics[FFP_BUNDLE_OPTICS]);
-// The ray (x, y, 1) of a pixel; false where the lens has none.
+// The ray (x, y, 1) of a pixel; false, and (x, y, 0), where the lens has none.
 bool ffp_bundle_ray(const FfpBundleDevice *device, const double pixel[2], double ray[3]);
 // The pixel of a point in the device's frame; false: behind it.
 bool ffp_bundle_pixel(const FfpBundleDevice *device, const double point[3], double at[2]);
@@ -59,11 +59,11 @@ typedef struct FfpDevices { // as they are tried
     const bool *known;      // those that count
 } FfpDevices;
 
-// The nearness 1 / z of a track along the projector's ray that fits its sightings best, from `start` (0: from
-// nothing); 0: none. differences [n,2] or NULL: from the sightings to where that puts them, pixels; of those
-// that do not count it stays.
-double ffp_devices_nearness(const FfpDevices *devices, const FfpTrack *track, const FfpSighting *sightings,
-                            double start, double *differences);
+// The nearness 1 / z along a ray of the projector that fits n sightings best, from `start` (0: from nothing);
+// 0: none. differences [n,2] or NULL: from the sightings to where that puts them, pixels; of those that do
+// not count it stays.
+double ffp_devices_nearness(const FfpDevices *devices, const double ray[3], const FfpSighting *sightings,
+                            int n, double start, double *differences);
 
 // FFP_BUNDLE_PRIORS differences that keep to what is usual: the optics', times `firm`, and that of the unit
 // of length, which no photograph tells: `distance`, relative to what it was.

@@ -153,14 +153,18 @@ static void miss(const FfpTurning *t, int sighting, const double panel[2], const
     for (int k = 0; k < 2; k++) out[k] = seen[k] - (s->at[k] + s->slope[2 * k] * u + s->slope[2 * k + 1] * v);
 }
 
+// The projector's ray through the spot of a sighting.
+static bool light(const FfpTurning *t, const FfpBundleDevice *projector, int sighting, double ray[3]) {
+    return ffp_bundle_ray(projector, t->tracks->tracks[t->track[sighting]].panel, ray);
+}
+
 // The point of a sighting in the camera's frame and how far from its pixel that is seen; its nearness, or 0.
-static double solve(const FfpTurning *t, const Tried *tried, int index, double point[3], double out[2]) {
-    const FfpTrack *spot = &t->tracks->tracks[t->track[index]];
-    const FfpTrack alone = {.panel = {spot->panel[0], spot->panel[1]}, .n = 1};
-    double ray[3], lit[3];
+static double solve(const FfpTurning *t, const Tried *tried, int index, const double ray[3], double point[3],
+                    double out[2]) {
+    double lit[3];
     const double nearness =
-        ffp_devices_nearness(&tried->devices, &alone, t->tracks->sightings + index, t->nearness[index], out);
-    if (!(nearness > 0) || !ffp_bundle_ray(&tried->devices.projector, spot->panel, ray)) return 0;
+        ffp_devices_nearness(&tried->devices, ray, t->tracks->sightings + index, 1, t->nearness[index], out);
+    if (!(nearness > 0)) return 0;
     for (int k = 0; k < 3; k++) lit[k] = ray[k] / nearness;
     ffp_rigid_apply(&tried->camera, lit, point);
     return nearness;
@@ -174,9 +178,7 @@ bool ffp_turning_point(const FfpTurning *t, int sighting, double point[3]) {
     const FfpSighting *s = &t->tracks->sightings[sighting];
     double ray[3], lit[3];
     const FfpBundleDevice projector = ffp_bundle_projector(t->tracks, t->optics);
-    if (!s->used || !(t->nearness[sighting] > 0) ||
-        !ffp_bundle_ray(&projector, t->tracks->tracks[t->track[sighting]].panel, ray))
-        return false;
+    if (!s->used || !(t->nearness[sighting] > 0) || !light(t, &projector, sighting, ray)) return false;
     for (int k = 0; k < 3; k++) lit[k] = ray[k] / t->nearness[sighting];
     ffp_rigid_apply(&t->camera, lit, point);
     return true;
@@ -202,9 +204,10 @@ void ffp_turning_triangulate(FfpTurning *t, int stride) {
     try_as_is(t, &tried);
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < t->tracks->n_sightings; i += stride) {
-        double point[3], off[2];
+        double ray[3], point[3], off[2];
         t->nearness[i] = 0;
-        if (t->tracks->sightings[i].used) t->nearness[i] = solve(t, &tried, i, point, off);
+        if (t->tracks->sightings[i].used && light(t, &tried.devices.projector, i, ray))
+            t->nearness[i] = solve(t, &tried, i, ray, point, off);
     }
 }
 
@@ -278,6 +281,8 @@ double ffp_turning_likeness(const FfpTurning *t, double far) {
 typedef struct Fit {
     FfpTurning *turning;
     int n, *sightings;            // [n] those that take part
+    FfpBundleDevice projector;    // as the turning has it,
+    double (*rays)[3];            // [n] and its rays through their spots, which most derivatives leave alone
     int (*met)[FFP_TURNING_NEXT]; // [n] the sightings that each meets at the next stops; -1: none
     int numbers, count;
     double scale, apart, firm;
@@ -305,13 +310,16 @@ static void differences(const void *state, const double *by, double *out) {
     Tried tried;
     moved(fit, by, optics, &camera, &axis, off);
     arrange(t, optics, &camera, &axis, off, &tried);
+    const FfpBundleDevice *projector = &tried.devices.projector;
+    const bool as_is = memcmp(projector, &fit->projector, sizeof *projector) == 0;
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < fit->n; i++) {
         const int index = fit->sightings[i], stop = t->tracks->sightings[index].place;
-        double *at = out + EACH * (size_t)i, point[3], seen[2], panel[2];
+        double *at = out + EACH * (size_t)i, *ray = fit->rays[i], own[3], point[3], seen[2], panel[2];
+        if (!as_is) light(t, projector, index, ray = own);
         at[0] = at[1] = 0;
         for (int k = 2; k < EACH; k++) at[k] = INFINITY;
-        if (!(solve(t, &tried, index, point, at) > 0)) continue;
+        if (!(solve(t, &tried, index, ray, point, at) > 0)) continue;
         for (int k = 0; k < FFP_TURNING_NEXT; k++)
             if (fit->met[i][k] >= 0 && turn_on(&tried, &tried.turns[stop][k], point, seen, panel))
                 miss(t, fit->met[i][k], panel, seen, at + 2 + 2 * (ptrdiff_t)k);
@@ -322,8 +330,13 @@ static void differences(const void *state, const double *by, double *out) {
         priors[FFP_BUNDLE_PRIORS + p - 1] = fit->firm * off[p] / t->angles_known;
 }
 
+static void set_rays(Fit *fit) {
+    fit->projector = ffp_bundle_projector(fit->turning->tracks, fit->turning->optics);
+    for (int i = 0; i < fit->n; i++) light(fit->turning, &fit->projector, fit->sightings[i], fit->rays[i]);
+}
+
 static void move(void *state, const double *by) {
-    const Fit *fit = state;
+    Fit *fit = state;
     FfpTurning *t = fit->turning;
     double optics[FFP_BUNDLE_OPTICS], off[FFP_PLACES_MAX];
     FfpRigid camera;
@@ -334,9 +347,10 @@ static void move(void *state, const double *by) {
     t->camera = camera, t->axis = axis;
     Tried tried;
     try_as_is(t, &tried);
+    set_rays(fit);
     for (int i = 0; i < fit->n; i++) {
         double point[3], unused[2];
-        t->nearness[fit->sightings[i]] = solve(t, &tried, fit->sightings[i], point, unused);
+        t->nearness[fit->sightings[i]] = solve(t, &tried, fit->sightings[i], fit->rays[i], point, unused);
     }
 }
 
@@ -379,10 +393,13 @@ static void set_met(Fit *fit) {
 static Fit fit_new(FfpTurning *t, int stride, double scale) {
     const FfpTracks *tracks = t->tracks;
     const size_t most = (size_t)tracks->n_sightings + 1;
-    Fit fit = {
-        .turning = t, .sightings = ffp_alloc(most, sizeof(int)), .met = ffp_alloc(most, sizeof *fit.met)};
+    Fit fit = {.turning = t,
+               .sightings = ffp_alloc(most, sizeof(int)),
+               .rays = ffp_alloc(most, sizeof *fit.rays),
+               .met = ffp_alloc(most, sizeof *fit.met)};
     for (int i = 0; i < tracks->n_sightings; i += stride)
         if (tracks->sightings[i].used && t->nearness[i] > 0) fit.sightings[fit.n++] = i;
+    set_rays(&fit);
     set_met(&fit);
     fit.scale = scale;
     fit.apart = sqrt(fmax(1, (double)fit.n / APART));
@@ -441,5 +458,5 @@ void ffp_turning_fit(FfpTurning *t, int stride, double scale, int steps, bool de
                       covariance);
     if (deviations) keep_deviations(&fit, covariance);
     measure(&fit);
-    ffp_free(covariance), ffp_free(step), ffp_free(fit.sightings), ffp_free(fit.met);
+    ffp_free(covariance), ffp_free(step), ffp_free(fit.sightings), ffp_free(fit.rays), ffp_free(fit.met);
 }
