@@ -189,8 +189,8 @@ def bodies_are_bounded(studio):
     return grown
 
 
-def thousand_connections(studio):
-    """Idle ones and halves of requests; another is answered meanwhile, and they are gone in the end."""
+def open_thousand(studio):
+    """Idle connections and halves of requests, beside which another is answered; seconds of that answer."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (min(hard, 4096), hard))
     links = []
@@ -201,14 +201,18 @@ def thousand_connections(studio):
         links.append(link)
     began = time.monotonic()
     assert studio.ask("GET", "state")[0] == 200
-    meanwhile = time.monotonic() - began
+    return links, time.monotonic() - began
+
+
+def thousand_end(studio, links):
+    """They are gone in the end; seconds until then."""
+    began = time.monotonic()
     ended = sum(1 for link in links[::50] if ended_by_server(link))
     assert ended == len(links[::50]), ended
     for link in links:
         link.close()
-    resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
     assert studio.ask("GET", "state")[0] == 200
-    return meanwhile, time.monotonic() - began
+    return time.monotonic() - began
 
 
 def ended_by_server(link):
@@ -670,7 +674,10 @@ def main():
     print(f"{no_path_leads_out(studio)} paths lead nowhere")
     print(f"long bodies cost {bodies_are_bounded(studio):.1f} MB")
     print(f"{wrong_requests_change_nothing(studio)} wrong requests change nothing")
-    print("beside 1000 connections an answer takes %.3f s; they are gone after %.1f s" % thousand_connections(studio))
+    links, meanwhile = open_thousand(studio)
+    a_watched_folder(program, folder / "watched")  # other studios', while the thousand wait for their end
+    print("%d wrong and %d mangled OSC packets" % control_from_outside(program, folder / "control", seconds))
+    print(f"beside 1000 connections an answer takes {meanwhile:.3f} s; they are gone after {thousand_end(studio, links):.1f} s more")
     print(f"{mangled_requests(studio, seconds)} mangled requests")
     print(f"{photographs_are_checked(studio)} photographs are checked")
     print(f"{trials_are_checked(studio)} comparisons are checked")
@@ -682,8 +689,6 @@ def main():
     studio = full_disk(program, rig, studio)
     studio.stop()
     damaged_settings(program, rig)
-    a_watched_folder(program, folder / "watched")
-    print("%d wrong and %d mangled OSC packets" % control_from_outside(program, folder / "control", seconds))
     return 0
 
 
