@@ -84,7 +84,7 @@ def two_colours(kind="webm"):
 # --- The page. ---
 
 class Page(browser.Browser):
-    held = False
+    held, side = False, 2
 
     def start(self, path, fresh=True):
         """`fresh`: as it came, whatever the browser kept of it."""
@@ -103,6 +103,12 @@ class Page(browser.Browser):
             const look = () => viewer.pending || viewer.stale || viewer.rough || viewer.moving ? setTimeout(look, 20) : done(true);
             look();
         }); true""")
+        self.samples(self.side)
+
+    def samples(self, side):
+        """Samples per side of a pixel that rests: 2 as it comes; 1 is enough where no picture is compared with the program's."""
+        self.side = side
+        self.run(f"viewer.scene.drawing.samples = {side}; true")
 
     def hold(self, on):
         """Keeps the window as it is while only pictures are looked at, or lets it go on."""
@@ -215,6 +221,7 @@ def check_compensation(check, page, program, ply, data, folder):
     option = page.run(f"[...document.getElementById('watcher').options].find((o) => o.textContent === shortName({view!r})).value")
     page.drop("sky.png", "image/png", open(target, "rb").read())
     page.wait("viewer.projector.content.name === 'sky.png'")
+    page.hold(True)
     for how, options in (("paint", ["--paint"]), ("colours", [])):
         file = os.path.join(folder, how + ".png")
         subprocess.run([program, "compensate", ply, "--capture", data, "--view", view, "--target", target, "--steps", "0",
@@ -233,6 +240,7 @@ def check_compensation(check, page, program, ply, data, folder):
         score = psnr(mean(made, 4), mean(wanted, 3))
         check(f"correction, {how}, as compensate's closed form", score >= (62 if how == "paint" else 26) and len(both) > 0.8 * len(lit), f"{score:.2f} dB, {len(both)} of {len(lit)} pixels")
     check_sharpness(check, page, program, ply, data, folder, view)
+    page.hold(False)
     check_holes(check, page)
     page.set("correction", "none")
     page.run("idle()")
@@ -631,9 +639,11 @@ def check_place(check, page):
         for (let i = 0; i < data.length; i += 4) bright += data[i] + data[i + 1] + data[i + 2] > 120;
         return bright / (width * height * ratio); })()""")
     check("the object is behind the layers", 0.1 < behind < 0.9, f"{behind:.2f} of the picture")
+    page.run("idle()")
+    page.hold(True)
     page.click("#add-layer")
     page.set("text", "\u2588\u2588\u2588\u2588")  # blocks, whose pixels are known
-    page.run("document.getElementById('text').dispatchEvent(new Event('change', {bubbles: true})); document.activeElement.blur(); idle()")
+    page.run("document.getElementById('text').dispatchEvent(new Event('change', {bubbles: true})); document.activeElement.blur(); true")
     mean = lambda *part: page.run(f"{PART}({', '.join(map(str, part))})")
     screen = lambda at: [at[i] + page.run("(() => { const {left, top} = viewer.flat.box(); return [left, top]; })()")[i] for i in (0, 1)]
     grip = lambda name: screen(page.run(f"viewer.flat.handles().find((h) => h.name === {name!r}).at"))
@@ -643,18 +653,18 @@ def check_place(check, page):
     steps = page.run("viewer.history.at")
     start = grip(0)
     page.drag(start, [start[0] + size[0] / 2, grip(2)[1] - (grip(2)[1] - start[1]) / 2])
-    page.run("idle()")
+    page.settle()
     scaled = page.run("viewer.projector.layer.place")
     small = [mean(0.2, 0.49, 0.22, 0.51), mean(0.7, 0.54, 0.8, 0.56)]
     check("a handle scales it", abs(scaled["width"] - 0.5) < 0.03 and small == [[0, 0, 255], [255, 255, 255]], f"{scaled['width']:.2f}, {small}")
     at = screen([0.75 * size[0], 0.55 * size[1]])
     page.drag(at, [at[0] - size[0] / 4, at[1] - size[1] / 4])
-    page.run("idle()")
+    page.settle()
     check("a drag moves it", mean(0.48, 0.29, 0.52, 0.31) == [255, 255, 255] and mean(0.7, 0.54, 0.8, 0.56) == [0, 0, 255], f"{page.run('viewer.projector.layer.place')}")
     page.click("[data-what=corners]")
     corner = grip(1)
     page.drag(corner, [corner[0], corner[1] - size[1] / 5])
-    page.run("idle()")
+    page.settle()
     check("a pulled corner takes the picture along, in perspective", mean(0.68, 0.2, 0.7, 0.22) == [255, 255, 255] and mean(0.3, 0.2, 0.32, 0.22) == [0, 0, 255],
           f"{mean(0.68, 0.2, 0.7, 0.22)} {mean(0.3, 0.2, 0.32, 0.22)}")
     count = page.run("viewer.history.at") - steps
@@ -666,7 +676,7 @@ def check_place(check, page):
     page.click("[data-what=crop]")
     edge = grip(7)
     page.drag(edge, [edge[0] + size[0] / 2, edge[1]])
-    page.run("idle()")
+    page.settle()
     crop = [mean(0.3, 0.49, 0.4, 0.51), mean(0.6, 0.49, 0.7, 0.51)]
     page.click("#reset-place")
     page.click("[data-what=mask]")
@@ -674,7 +684,7 @@ def check_place(check, page):
         x, y = screen([point[0] * size[0], point[1] * size[1]])
         page.mouse("mousePressed", x, y)
         page.mouse("mouseReleased", x, y, "left", 0)
-    page.run("idle()")
+    page.settle()
     mask = [mean(0.3, 0.49, 0.4, 0.51), mean(0.6, 0.49, 0.7, 0.51)]
     check("crop and mask take away what they should", crop == mask == [[0, 0, 255], [255, 255, 255]], f"{crop} {mask}")
     page.run("(() => { const input = document.querySelector('#numbers [aria-label^=\"Soft edge\"]'); input.value = 40; input.dispatchEvent(new Event('input', {bubbles: true})); })()")
@@ -692,6 +702,8 @@ def check_place(check, page):
     turned = [mean(0.2, 0.49, 0.22, 0.51), mean(0.49, 0.2, 0.51, 0.22)]
     page.run("(() => { const input = document.querySelector('#numbers [aria-label=Opacity]'); input.value = 50; input.dispatchEvent(new Event('input', {bubbles: true})); })()")
     check("numbers place it, too", turned == [[0, 0, 255], [255, 255, 255]] and abs(mean(0.49, 0.2, 0.51, 0.22)[0] - 128) < 3, f"{turned} {mean(0.49, 0.2, 0.51, 0.22)}")
+    page.resize(520, 400)
+    page.hold(False)
     page.set("correction", "paint")
     page.run("viewer.show.add(); viewer.setLayers([new Layer(new SolidContent('#ff0000'))]); true")
     page.set("correction", "none")
@@ -725,7 +737,6 @@ def check_place(check, page):
     check("broken layers are refused by name", ["pull" in refused[0], "turn" in refused[1], "fit" in refused[2]] == [True] * 3, f"{refused}")
     page.run("viewer.show.arm(false); viewer.show.cues = []; viewer.changed('cues'); setMode(viewer, 'camera'); viewer.setLayers([new Layer(new TestContent('White'))]); true")
     page.set("correction", "none")
-    page.resize(520, 400)
 
 
 def check_cues(check, page):
@@ -873,6 +884,7 @@ def check_touch(check, page, folder):
         const box = s.getBoundingClientRect(), panel = document.getElementById('panel').getBoundingClientRect();
         return box.width && (box.right > panel.right || box.left < panel.left); }).map((s) => s.id)""")
     check("menus are inside their panel", not out, f"{out}")
+    page.resize(520, 400)
 
 
 def check_keys(check, page):
@@ -958,6 +970,7 @@ def check_walking(check, page):
 def check_memory(check, page):
     """Samples as far as the graphics memory goes."""
     page.hold(True)
+    page.samples(2)
     asked = page.run("""(() => { const {renderer: r, canvas} = viewer, ask = (width, height, most) => { let asked = null;
             r.drawLight = (camera, side) => { asked = [camera.width, camera.height, side]; }; r.resolve = () => {};
             viewer.canvas = {}; viewer.redrawOverlay = () => {}; viewer.changed = () => {};
@@ -978,6 +991,7 @@ def check_memory(check, page):
         const turn = () => { for (const q of [1, 0]) viewer.lastChange++, viewer.setCamera(movePose(viewer.pose, [1e-4, 0, 0])), viewer.draw(QUALITIES[q]); };
         turn(); made = 0; turn(); delete g.target; return made; })()""")
     check("moving and resting keep their memory", made == 0, f"{made} targets made again")
+    page.samples(1)
     page.hold(False)
     page.run("""document.getElementById('toast').classList.remove('shown');
         viewer.graphics.gl.checkFramebufferStatus = () => 0; viewer.renderer.view = new GbufferView(viewer.renderer); viewer.invalidate(); idle()""")
@@ -1057,11 +1071,13 @@ def check_contents(check, page, folder):
     part = page.run("(() => { const {volume, muted} = viewer.projector.content.video; return [volume, muted, viewer.projector.layer.film.from]; })()")
     check("a film keeps to its part, as loud as it is set", part == [0.25, False, 0.9], f"{part}")
     page.run("viewer.projector.layer.film = newFilm(); true")
+    page.samples(2)
     frames = lambda: page.run("""(async () => { const after = (ms) => new Promise((done) => setTimeout(done, ms));
         await Promise.race([idle(), after(4000)]);
         const before = viewer.frames; await after(300); return viewer.frames - before + viewer.pending; })()""")
     still, side = frames(), page.run("viewer.drawn.side")
     check("stopped, it is drawn once and in full", still == 0 and side == 2, f"{still} more frames, {side} samples a side")
+    page.samples(1)
     drawn = page.run("viewer.projector.content.toggle(), viewer.frames")
     page.wait(f"viewer.frames > {drawn + 2}")
     page.set("on", False)
@@ -1259,17 +1275,17 @@ def check_access(check, page):
         found = page.run(CONTRAST)
         least = min(found, key=found.get)
         check(f"contrast, {scheme}", found[least] >= 4.5, f"{found[least]:.2f} at least: {least}")
+    page.run("document.body.classList.remove('with-panel'); " + STILL)
 
 
 def check_looks(check, page, folder):
-    for name, width, height, scale, mobile in (("wide", 1400, 900, 1, False), ("phone", 400, 800, 2, True)):
+    for name, width, height, scale, mobile, scheme in (("wide", 1400, 900, 1, False, "dark"), ("phone", 400, 800, 2, True, "light")):
         page.resize(width, height, scale, mobile)
         page.run(f"document.body.classList.toggle('with-panel', {str(not mobile).lower()}); "
                  "document.getElementById('toast').classList.remove('shown')")
-        for scheme in ("dark", "light"):
-            page.scheme(scheme)
-            page.run("viewer.invalidate(); idle()")
-            page.screenshot(os.path.join(folder, f"{name}-{scheme}.png"))
+        page.scheme(scheme)
+        page.run("viewer.invalidate(); idle()")
+        page.screenshot(os.path.join(folder, f"{name}-{scheme}.png"))
         page.hold(True)
         page.run("document.body.classList.remove('with-panel')")
         page.run(STILL)
@@ -1280,6 +1296,7 @@ def check_looks(check, page, folder):
         outside = page.run(OUTSIDE)
         check(f"the page fits {width} pixels", not outside, "; ".join(outside))
         page.hold(False)
+    page.resize(520, 400)
 
 
 def check_no_webgl(check, program, path, folder):
@@ -1318,6 +1335,7 @@ def main():
             check_maps(check, page, program, ply, data, scratch)
             check_compensation(check, page, program, ply, data, scratch)
             check_sharing(check, page)
+            page.samples(1)
             check_controls(check, page)
             check_photograph(check, page, folder)
             check_comparison(check, page)
