@@ -50,7 +50,8 @@ class Studio:
 
 class Page(browser.Browser):
     def __init__(self, program, width, height, arguments=()):
-        super().__init__(program, width, height, ["--disable-gpu", *arguments])  # WebGL is there nevertheless; the page costs half
+        # WebGL is there nevertheless; the page costs half, and less where nothing slides.
+        super().__init__(program, width, height, ["--disable-gpu", "--force-prefers-reduced-motion", *arguments])
 
     @property
     def said(self):
@@ -77,14 +78,19 @@ class Page(browser.Browser):
             self.mouse("mouseReleased", x, y, buttons=0)
             hit = self.run("window.hit") is not False  # nothing where the click opened another page
 
+    def wait_for_viewer(self):
+        """The viewer has the object; it draws one sample a pixel from then on, as nothing here looks at its picture."""
+        self.wait("!document.getElementById('look').hidden && !!document.getElementById('viewer').contentWindow.ready", LONG)
+        self.run("document.getElementById('viewer').contentWindow.ready.then(() => { "
+                 "document.getElementById('viewer').contentWindow.viewer.scene.drawing.samples = 1; return true; })")
+
     def shots(self, folder, name):
-        """Screenshots of the whole page: wide and narrow, dark and light."""
-        for width, height in ((1400, 900), (400, 800)):
+        """Screenshots of the whole page: wide and dark, narrow and light."""
+        for width, height, scheme in ((1400, 900, "dark"), (400, 800, "light")):
             self.resize(width, height)
-            for scheme in ("dark", "light"):
-                self.scheme(scheme)
-                self.run("new Promise((done) => requestAnimationFrame(() => setTimeout(done, 150)))")
-                self.screenshot(str(folder / f"{name}-{width}-{scheme}.png"))
+            self.scheme(scheme)
+            self.run("new Promise((done) => requestAnimationFrame(() => setTimeout(done, 150)))")
+            self.screenshot(str(folder / f"{name}-{width}-{scheme}.png"))
         self.resize(1400, 900)
         self.scheme("light")
 
@@ -147,7 +153,7 @@ def go_through(page, folder, pictures):
     page.wait("objectNow(studio.state).sets.every(complete) && !shooting.running", LONG)
     done("object")
     page.click("#make")
-    page.wait("!document.getElementById('look').hidden && !!document.getElementById('viewer').contentWindow.ready", LONG)
+    page.wait_for_viewer()
     check_remedies(page, folder, pictures)
     done("relit")
     page.click("#evaluate")
@@ -177,7 +183,7 @@ def go_without_board(program, found, folder, pictures):
         page.wait("/well enough/.test(document.getElementById('known-verdict').textContent)")
         page.shots(pictures, "known")
         page.click("#make")
-        page.wait("!document.getElementById('look').hidden && !!document.getElementById('viewer').contentWindow.ready", LONG)
+        page.wait_for_viewer()
         seconds = time.monotonic() - began
         controlled(page, port)
         compared_now(page)
@@ -359,7 +365,7 @@ def calibrate_and_relight(page):
     page.wait("!document.getElementById('object-shoot').hidden && !document.getElementById('object-shoot').disabled")
     photograph(page, "#object-shoot", "objectNow(studio.state).sets", STOPS + 1, LONG)
     page.click("#make")
-    page.wait("!document.getElementById('look').hidden && !!document.getElementById('viewer').contentWindow.ready", LONG)
+    page.wait_for_viewer()
 
 
 def watched_folder(program, found, folder, first):

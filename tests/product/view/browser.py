@@ -136,11 +136,13 @@ class Browser:
         return answer["result"].get("value")
 
     def wait(self, condition, timeout=300, every=0.05):
-        end = time.monotonic() + timeout
+        """Asks more seldom the longer it lasts: every question costs the page time."""
+        began = time.monotonic()
         while not self.run(condition):
-            if time.monotonic() > end:
+            waited = time.monotonic() - began
+            if waited > timeout:
                 raise Failure("in vain waited for " + condition)
-            time.sleep(every)
+            time.sleep(max(every, min(0.3, waited / 20)))
 
     def screenshot(self, path):
         data = self.call("Page.captureScreenshot", {"format": "png"})["data"]
