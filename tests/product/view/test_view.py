@@ -108,7 +108,7 @@ class Page(browser.Browser):
     def samples(self, side):
         """Samples per side of a pixel that rests: 2 as it comes; 1 is enough where no picture is compared with the program's."""
         self.side = side
-        self.run(f"viewer.scene.drawing.samples = {side}; true")
+        self.run(f"viewer.scene.drawing.samples = {side}; viewer.invalidate(); true")
 
     def hold(self, on):
         """Keeps the window as it is while only pictures are looked at, or lets it go on."""
