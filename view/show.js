@@ -144,11 +144,14 @@ function buildShow(app) {
     $('go').disabled = !show.cues.length;
     $('armed').checked = show.armed;
     $('hold').hidden = !show.playing;
+    for (const name of ['dark', 'test']) $(name).setAttribute('aria-pressed', app[name]);
   };
   $('add-cue').onclick = attempt(() => show.add());
   $('go').onclick = attempt(() => show.go());
   $('hold').onclick = () => show.stop();
+  $('dark').onclick = () => blackout(app);
+  $('test').onclick = () => testPicture(app);
   $('armed').onchange = () => show.arm($('armed').checked);
-  app.listeners.push((what) => { if (what === 'cues') refresh(); });
+  app.listeners.push((what) => { if (what === 'cues' || what === 'windows') refresh(); });
   refresh();
 }

@@ -25,13 +25,15 @@ const showWindows = (app) => app.projectors.forEach((projector) => projector.win
 // Blackout of all projector windows, and back: the show goes on behind it.
 function blackout(app, on = !app.dark) {
   app.dark = on;
-  say(on ? 'Blackout: the projector windows are black until you press . again.' : 'The projector windows show their pictures again.');
+  say(on ? 'Blackout: the projector windows are black until you press . or Blackout again.' : 'The projector windows show their pictures again.');
+  app.changed('windows');
   showWindows(app);
 }
 
 // The test picture in place of the content, and back.
 function testPicture(app) {
   app.test = !app.test;
+  app.changed('windows');
   if (!app.projectors.some((projector) => projector.window.isOpen)) say('The test picture appears in the projector windows, none of which is open yet.');
   showWindows(app);
 }
