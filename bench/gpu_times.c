@@ -178,7 +178,8 @@ static bool reconstruct(void *reconstructing, FfpError *err) {
     return true;
 }
 
-// Stages of reconstructions by the GPU, and by the CPU alone.
+// Stages of reconstructions by the GPU, and by the CPU alone. The weights are untrained: the fit begins where
+// the classical start is.
 static void time_stages(const Training *t) {
     const char *const names[STAGES] = {"noise", "matching", "network", "fit"};
     const int n = tiny ? 1 : RECONSTRUCTIONS;

@@ -21,6 +21,7 @@ static FfpView view_uploaded(const FfpView *host, int n_patterns, bool truth) {
 }
 
 static void upload_pattern(FfpCapture *there, const FfpCapture *host, int p) {
+    if (there->patterns[p].image.data) return; // listed twice
     there->patterns[p] = host->patterns[p];
     upload(&there->patterns[p].image);
     for (int v = 0; v < host->n_views; v++) {

@@ -30,7 +30,7 @@ typedef struct FfpInitialisation {
     real *ambient;   // 3, linear: what the black image shows, of the object's own share of the pixel
     struct FfpReduced
         *reduced; // what a large capture was matched on (engine/match/reduce.h); NULL: its own pictures
-    const struct FfpDevice *device; // that searched, of the settings
+    const struct FfpDevice *device; // of the settings, for searches that follow
 } FfpInitialisation;
 
 typedef struct FfpMatchSettings {

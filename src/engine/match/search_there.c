@@ -145,7 +145,7 @@ void ffp_search_there(real *depth, real *confidence, real *range, unsigned char 
     unsigned char **wide = ffp_alloc(views, sizeof *wide);
     Searched *found = ffp_alloc(views, sizeof *found);
     FfpForeground *foregrounds = ffp_alloc(views, sizeof *foregrounds);
-    ffp_device_use(settings->device);
+    const FfpDevice *before = ffp_device_use(settings->device);
     FfpBlurred patterns_there = *patterns;
     patterns_there.cells =
         ffp_memory_uploaded(patterns->cells, patterns->area * (size_t)patterns->patterns, 4 * sizeof(real));
@@ -168,7 +168,7 @@ void ffp_search_there(real *depth, real *confidence, real *range, unsigned char 
         ffp_memory_free(wide[v]);
     }
     ffp_memory_free(patterns_there.cells);
-    ffp_device_use(NULL);
+    ffp_device_use(before);
     ffp_free(foregrounds);
     ffp_free(found);
     ffp_free(wide);

@@ -315,8 +315,9 @@ static void differences(const void *state, const double *by, double *out) {
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < fit->n; i++) {
         const int index = fit->sightings[i], stop = t->tracks->sightings[index].place;
-        double *at = out + EACH * (size_t)i, *ray = fit->rays[i], own[3], point[3], seen[2], panel[2];
-        if (!as_is) light(t, projector, index, ray = own);
+        double *at = out + EACH * (size_t)i, own[3], point[3], seen[2], panel[2];
+        const double *ray = as_is ? fit->rays[i] : own;
+        if (!as_is) light(t, projector, index, own);
         at[0] = at[1] = 0;
         for (int k = 2; k < EACH; k++) at[k] = INFINITY;
         if (!(solve(t, &tried, index, ray, point, at) > 0)) continue;

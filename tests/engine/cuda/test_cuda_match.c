@@ -4,6 +4,7 @@
 #include "compare.h"
 #include "core/base/rng.h"
 #include "engine/match/match.h"
+#include "engine/match/search_there.h"
 #include "world/synth/synth.h"
 
 static const FfpDevice *device;
@@ -67,6 +68,7 @@ static FfpInitialisation start_of(const FfpCapture *capture, int n, const FfpDev
     const int patterns[] = {ffp_capture_find_pattern(capture, "lollipop_0"),
                             ffp_capture_find_pattern(capture, "lollipop_1")};
     settings.device = by;
+    assert_true(ffp_can_search_there(capture, &settings) == (by != NULL));
     if (!ffp_initialisation_new(&start, capture, patterns, n, &settings, &err)) fail_msg("%s", err.text);
     assert_null(ffp_device());
     return start;

@@ -49,9 +49,9 @@ class Studio:
 
 
 class Page(browser.Browser):
-    def __init__(self, program, width, height, arguments=()):
+    def __init__(self, program, width, height, arguments=(), slides=False):
         # WebGL is there nevertheless; the page costs half, and less where nothing slides.
-        super().__init__(program, width, height, ["--disable-gpu", "--force-prefers-reduced-motion", *arguments])
+        super().__init__(program, width, height, ["--disable-gpu", *([] if slides else ["--force-prefers-reduced-motion"]), *arguments])
 
     @property
     def said(self):
@@ -480,7 +480,7 @@ def faults(program, found, folder, first):
     rig.mkdir()
     for part in ("patterns", "virtual"):  # what the first rig has drawn and simulated already
         shutil.copytree(first / part, rig / part)
-    studio, page = Studio(program, rig, "--virtual"), Page(found, 1400, 900)
+    studio, page = Studio(program, rig, "--virtual"), Page(found, 1400, 900, slides=True)
     try:
         # The page is reloaded while it photographs: it goes on with the next.
         page.start(studio.url)

@@ -84,7 +84,7 @@ def two_colours(kind="webm"):
 # --- The page. ---
 
 class Page(browser.Browser):
-    held, side = False, 2
+    held, side = False, 2 # samples per side of a pixel that rests, as a page has them
 
     def start(self, path, fresh=True):
         """`fresh`: as it came, whatever the browser kept of it."""
@@ -103,10 +103,12 @@ class Page(browser.Browser):
             const look = () => viewer.pending || viewer.stale || viewer.rough || viewer.moving ? setTimeout(look, 20) : done(true);
             look();
         }); true""")
+        if fresh:
+            assert self.run("viewer.scene.drawing.samples") == Page.side
         self.samples(self.side)
 
     def samples(self, side):
-        """Samples per side of a pixel that rests: 2 as it comes; 1 is enough where no picture is compared with the program's."""
+        """One is enough where no picture is compared with the program's."""
         self.side = side
         self.run(f"viewer.scene.drawing.samples = {side}; viewer.invalidate(); true")
 
@@ -1158,6 +1160,11 @@ def check_window(check, page):
         const own = viewer.projector.colour.match(/[0-9a-f]{2}/g).map((v) => parseInt(v, 16)).join();
         return [[at(0, 5), at(1, 5), at(5, h - 1), at(w - 1, 5)], field, colours.has(own)]; })()""")
     page.run("dispatchEvent(new KeyboardEvent('keydown', {key: 't'}))")
+    pressed = []
+    for _ in range(2):
+        page.click("#test")
+        pressed += [page.run(f"idle().then(() => {colour} !== '0,255,0')"), page.run("document.getElementById('test').getAttribute('aria-pressed')")]
+    check("the test picture by its button, and back", pressed == [True, "true", False, "false"], f"{pressed}")
     check("a test picture of single pixels, and back", shown == [[255, 0, 255, 255], [0, 255, 0, 255], True] and page.run(colour) == "0,255,0", f"{shown}")
     page.click("#add")
     page.run("viewer.setContent(new SolidContent('#ff0000')); viewer.window.open(); idle()")
@@ -1182,12 +1189,12 @@ def check_window(check, page):
         popup.close();
         for (let i = 0; i < 100 && !document.getElementById('toast').textContent.includes('Press W'); i++) await new Promise((done) => setTimeout(done, 20));
         viewer.window.where.full = true;
-        const told = document.getElementById('toast').textContent;
+        const toast = document.getElementById('toast'), told = toast.classList.contains('shown') && toast.textContent;
         const state = await checkState(viewer, JSON.parse(await stageText(viewer))), real = window.open; let asked = '';
         window.open = (...given) => { asked = given[2]; return real('', '', 'popup,width=400,height=300'); };
         await viewer.window.open();
         window.open = real;
-        return [asked, viewer.window.window.document.querySelector('p').textContent.slice(0, 17), state.projectors[0].window, told.includes('Press W')]; })()""")
+        return [asked, viewer.window.window.document.querySelector('p').textContent.slice(0, 17), state.projectors[0].window, !!told && told.includes('Press W')]; })()""")
     check("a window that was closed comes back where it was", came == ["popup,width=1024,height=768,left=1930,top=40", "Click this window",
           {"left": 1930, "top": 40, "full": True, "width": 1024, "height": 768}, True], f"{came}")
     page.run("viewer.scene.panel = null, viewer.window.close(), idle()")
@@ -1340,10 +1347,10 @@ def main():
             check_maps(check, page, program, ply, data, scratch)
             check_compensation(check, page, program, ply, data, scratch)
             check_sharing(check, page)
-            page.samples(1)
             check_controls(check, page)
             check_photograph(check, page, folder)
             check_comparison(check, page)
+            page.samples(1)
             check_keys(check, page)
             check_turning(check, page)
             check_walking(check, page)
