@@ -26,8 +26,11 @@ def run(program, *words):
 
 
 def turn(axis, degrees):
-    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
-    return [[axis[i] * axis[k] * (1 - c) + (c if i == k else s * axis[3 - i - k] * (1 if (k - i) % 3 == 2 else -1)) for k in range(3)] for i in range(3)]
+    (x, y, z), c, s = axis, math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    t = 1 - c
+    return [[t * x * x + c, t * x * y - s * z, t * x * z + s * y],
+            [t * x * y + s * z, t * y * y + c, t * y * z - s * x],
+            [t * x * z - s * y, t * y * z + s * x, t * z * z + c]]
 
 
 def product(a, b):

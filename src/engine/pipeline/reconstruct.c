@@ -20,7 +20,6 @@
 #include "engine/pipeline/need.h"
 #include "engine/pipeline/normalised.h"
 #include "engine/pipeline/relight.h"
-#include "engine/refine/fit.h"
 #include "engine/refine/pyramid.h"
 #include "engine/refine/thin.h"
 
@@ -111,28 +110,23 @@ static const FfpCapture *capture_there(Work *w) {
     return &w->there;
 }
 
-enum { START, PREDICTED, JUDGED };
-
 // On the device, by one sample a pixel.
-static void score_there(const FfpCapture *there, const Work *w, const FfpGaussians *const gaussians[JUDGED],
-                        const FfpRenderSettings *render, double psnr[JUDGED]) {
-    FfpRefineSettings settings = {.render = *render};
-    settings.render.samples = 1;
+static double score_there(const FfpCapture *there, const Work *w, const FfpGaussians *gaussians,
+                          FfpRenderSettings settings) {
+    settings.samples = 1;
     ffp_device_use(ffp_device_offered());
-    FfpPhotoLoss *viewer = ffp_photo_loss_new(there, w->photographs, w->n_photographs, &settings);
-    for (int i = 0; i < JUDGED; i++) {
-        FfpGaussians splats = ffp_gaussians_uploaded(gaussians[i]);
-        psnr[i] = ffp_photo_loss_psnr(viewer, &splats);
-        ffp_gaussians_free(&splats);
-    }
-    ffp_photo_loss_free(viewer);
+    FfpGaussians splats = ffp_gaussians_uploaded(gaussians);
+    const double psnr = ffp_photographs_psnr(&splats, there, w->photographs, w->n_photographs, &settings);
+    ffp_gaussians_free(&splats);
     ffp_device_use(NULL);
+    return psnr;
 }
 
 // PSNR on the photographs that the reconstruction is made from, of VIEWS_SCORED views if there are more.
-static void score(Work *w, const FfpGaussians *const gaussians[JUDGED], const int64_t *const pixel[JUDGED],
-                  const FfpReconstruction *options, double psnr[JUDGED]) {
+static double score(Work *w, const FfpGaussians *gaussians, const int64_t *pixel,
+                    const FfpReconstruction *options) {
     const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, options->model);
+    const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, pixel};
     const FfpCapture *there = capture_there(w);
     FfpView views[VIEWS_SCORED];
     FfpCapture some = there ? *there : w->capture;
@@ -142,14 +136,8 @@ static void score(Work *w, const FfpGaussians *const gaussians[JUDGED], const in
         some.views = views;
         some.n_views = VIEWS_SCORED;
     }
-    if (there) {
-        score_there(&some, w, gaussians, &settings, psnr);
-        return;
-    }
-    for (int i = 0; i < JUDGED; i++) {
-        const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, pixel[i]};
-        psnr[i] = ffp_pyramid_psnr(gaussians[i], &origin, &some, w->photographs, w->n_photographs, &settings);
-    }
+    if (there) return score_there(&some, w, gaussians, settings);
+    return ffp_pyramid_psnr(gaussians, &origin, &some, w->photographs, w->n_photographs, &settings);
 }
 
 // Keeps the classical initialisation where the network shows the photographs clearly worse than it. A small
@@ -157,15 +145,13 @@ static void score(Work *w, const FfpGaussians *const gaussians[JUDGED], const in
 static void keep_initial_if_better(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats) {
     FfpGaussians start = ffp_initialisation_gaussians(&w->padded, &w->start);
     int64_t *pixel = ffp_initialisation_pixels(&w->start);
-    double psnr[JUDGED];
-    score(w, (const FfpGaussians *[]){&start, &w->result}, (const int64_t *[]){pixel, w->pixel}, options,
-          psnr);
-    stats->network_dropped = start.count > 0 && psnr[PREDICTED] < psnr[START] - NETWORK_LOSS_MAX;
+    const double before = score(w, &start, pixel, options), after = score(w, &w->result, w->pixel, options);
+    stats->network_dropped = start.count > 0 && after < before - NETWORK_LOSS_MAX;
     if (stats->network_dropped) {
         ffp_note("the network reproduces the photographs worse than the classical initialisation, %.1f "
                  "against %.1f dB: "
                  "the initialisation is used",
-                 psnr[PREDICTED], psnr[START]);
+                 after, before);
         ffp_gaussians_free(&w->result);
         ffp_free(w->pixel);
         w->result = start;
