@@ -211,7 +211,7 @@ def compensation(f):
     c = f["compensation"]
     return (f"Program {program(f, {'compensation': ''})}:\n\n"
             + table(["capture", "unwarped", "closed form", "30 steps of descent"], [[name, *(cell(v, 1) for v in figures)] for name, figures in c["rows"].items()])
-            + f"\n\nThe least gain over unwarped in any of the {c['cases']} cases is {cell(c['least'], 1)} dB; more steps do not help, since what remains is geometry.")
+            + f"\n\nThe least gain over unwarped in any of the {c['cases']} cases is {cell(c['least'], 1)} dB.")
 
 
 # --- Performance. ---
@@ -246,12 +246,12 @@ def by_level(f, kind, cells):
 @block
 def kernels(f):
     levels = f["kernels"]["levels"]
-    copied = max(of["peaks"]["copy_gbs"] for of in levels.values())
     fma = ", ".join(f"{of['peaks']['fp32_fma_gflops']:.0f} at `{level}`" for level, of in levels.items() if of["peaks"]["fp32_fma_gflops"])
+    copied = ", ".join(f"{of['peaks']['copy_gbs']:.0f} at `{level}`" for level, of in levels.items())
     pairs = ", ".join(f"{of['peaks']['bf16_tile_gflops']:.0f} at `{level}`" for level, of in levels.items() if "bf16" in level)
     return (f"`ffprocams bench`, the faster of two runs, program {program(f, {'kernels': ''}, timed=True, level=False)}.\n"
-            f"Peaks in GFLOP/s: multiply-adds in fp32 from registers {fma}; products in pairs of bf16 {pairs}; {copied:.0f} GB/s copied.\n"
-            "Products, attention and the scan are shares of the arithmetic peak; the others are shares of the copy rate, which arrays in cache exceed.\n\n"
+            f"Peaks in GFLOP/s: multiply-adds in fp32 from registers {fma}; products in pairs of bf16 {pairs}; GB/s copied: {copied}.\n"
+            "Products, attention and the scan are shares of the arithmetic peak; the others are shares of their run's copy rate, which arrays in cache exceed.\n\n"
             + table(["kernel: ms, share of the peak", *(f"`{level}`" for level in levels)], by_level(f, "kernels", lambda v: f"{ms(v[0])}, {v[1] * 100:.0f} %"))
             + "\n\n" + table(["step: ms", *(f"`{level}`" for level in levels)], by_level(f, "steps", ms)))
 
