@@ -95,7 +95,7 @@ endif()
 if(FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
   add_test(NAME view_page COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/view/test_view.py $<TARGET_FILE:ffprocams>
            ${PROJECT_SOURCE_DIR}/data/sample ${PROJECT_BINARY_DIR}/view-page)
-  set_tests_properties(view_page PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 600)
+  set_tests_properties(view_page PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 1500)
 elseif(NOT FFP_PYTHON)
   message(STATUS "The page of `ffprocams view` is not tested: there is no python3")
 endif()
