@@ -162,7 +162,9 @@ ffp_label("cli;slow" readme simulated_rig studio_server training_rooms)
 ffp_label("browser;slow" view_page studio_page)
 ffp_label("gpu;slow" gpu_run)
 ffp_label("install;slow" install)
-set_property(TEST test_bench PROPERTY RUN_SERIAL ON) # it holds kernels to a peak that it has measured
+if(TEST test_bench)
+  set_property(TEST test_bench PROPERTY RUN_SERIAL ON) # it holds kernels to a peak that it has measured
+endif()
 
 get_property(tests DIRECTORY PROPERTY TESTS)
 foreach(test ${tests})

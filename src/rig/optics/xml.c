@@ -5,6 +5,12 @@
 #include "core/base/arena.h"
 #include "rig/optics/document.h"
 
+#if XML_MAJOR_VERSION * 1000 + XML_MINOR_VERSION >= 2009 // which has deprecated the other
+#define LINE_OF XML_GetCurrentLineNumber64
+#else
+#define LINE_OF XML_GetCurrentLineNumber
+#endif
+
 #define SPACE " \t\r\n"
 
 // An element that is open: what came of it so far.
@@ -28,8 +34,7 @@ typedef struct Reader {
 static void stop(Reader *reader, const char *what) {
     if (reader->failed) return;
     reader->failed = true;
-    ffp_document_fail(reader->path, XML_GetCurrentLineNumber(reader->parser), reader->err, "broken XML: %s",
-                      what);
+    ffp_document_fail(reader->path, LINE_OF(reader->parser), reader->err, "broken XML: %s", what);
     XML_StopParser(reader->parser, XML_FALSE);
 }
 

@@ -157,7 +157,7 @@ typedef struct Touch { // of a plane through the line between two cameras
 // The two touching planes, given two directions across the line, of which `ahead` is angle 0.
 static bool touch(const FfpOutline *outline, const double ahead[3], const double aside[3], double focal,
                   Touch out[2]) {
-    out[0].angle = INFINITY, out[1].angle = -INFINITY;
+    out[0] = (Touch){.angle = INFINITY, .cut = true}, out[1] = (Touch){.angle = -INFINITY, .cut = true};
     for (int i = 0; i < outline->count; i++) {
         const double *ray = outline->rays[i], x = ffp_dot(ray, ahead), y = ffp_dot(ray, aside);
         const double angle = atan2(y, x);

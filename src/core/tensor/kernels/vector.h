@@ -44,7 +44,8 @@ static inline void ffp_store_masked(real *to, FfpVector vector, int count) {
         return;
     }
     ffp_store(lanes, vector);
-    for (int i = 0; i < count; i++) to[i] = lanes[i];
+    for (int i = 0; i < FFP_LANES; i++)
+        if (i < count) to[i] = lanes[i];
 }
 #endif
 
