@@ -8,11 +8,14 @@
 #include "core/image/frames.h"
 #include "scratch.h"
 
-#define SPLIT "split[a][b];[a]crop=iw/2:ih:0:0[l];[b]crop=iw/2:ih:iw/2:0,lutrgb=r=0:g=200:b=0[r];[l][r]hstack"
+#define SPLIT                                                                                                \
+    "split[a][b];[a]crop=iw/2:ih:0:0,lutrgb=r=255:g=0:b=0[l];[b]crop=iw/2:ih:iw/2:0,lutrgb=r=0:g=200:b=0["   \
+    "r];[l][r]hstack"
 #define LIGHT                                                                                                \
     "format=gbrpf32le,zscale=pin=bt709:tin=iec61966-2-1:rin=full:min=gbr:npl=203:p=bt2020:m=bt2020nc:r="     \
     "limited:"
 
+#define UNTAGGED "setparams=colorspace=unknown" // ffmpeg 7 would write what it converted to
 #define CLEAR                                                                                                \
     "format=rgba,split[c][d];[c]crop=iw/2:ih:0:0[e];[d]crop=iw/2:ih:iw/2:0,lutrgb=a=0[f];[e][f]hstack"
 
@@ -31,10 +34,10 @@ static const Case cases[] = {
     {"tagged.mkv", 64, 48, "scale=out_color_matrix=bt709,format=yuv444p",
      "-c:v libx264 -qp 0 -colorspace bt709 -color_primaries bt709 -color_trc bt709", 64, 48, 3, 3, 3, 255,
      ""},
-    {"small.mkv", 64, 48, "scale=out_color_matrix=bt601,format=yuv444p", "-c:v ffv1", 64, 48, 3, 3, 3, 255,
-     "small.mkv: without a tag of its colours, read as BT.601"},
-    {"large.mkv", 1280, 720, "scale=out_color_matrix=bt709,format=yuv444p", "-c:v ffv1", 1280, 720, 3, 3, 3,
-     255, "large.mkv: without a tag of its colours, read as BT.709"},
+    {"small.mkv", 64, 48, "scale=out_color_matrix=bt601,format=yuv444p," UNTAGGED, "-c:v ffv1", 64, 48, 3, 3,
+     3, 255, "small.mkv: without a tag of its colours, read as BT.601"},
+    {"large.mkv", 1280, 720, "scale=out_color_matrix=bt709,format=yuv444p," UNTAGGED, "-c:v ffv1", 1280, 720,
+     3, 3, 3, 255, "large.mkv: without a tag of its colours, read as BT.709"},
     {"range.mkv", 64, 48, "scale=out_color_matrix=bt709:out_range=pc,format=yuv444p",
      "-c:v libx264 -qp 0 -colorspace bt709 -color_primaries bt709 -color_trc bt709 -color_range pc", 64, 48,
      3, 3, 3, 255, ""},
@@ -61,8 +64,8 @@ static const Case cases[] = {
     {"animated.png", 64, 48, "format=rgb24", "-f apng", 64, 48, 3, 3, 1, 255, ""},
     {"a.webp", 64, 48, "null", "-frames:v 1 -lossless 1", 64, 48, 4, 1, 2, 255, ""},
     {"alpha.mkv", 64, 48, CLEAR, "-c:v ffv1 -pix_fmt bgra", 64, 48, 4, 3, 1, 0, ""},
-    {"alpha.webm", 64, 48, CLEAR ",format=yuva420p", "-c:v libvpx-vp9 -lossless 1", 64, 48, 4, 3, 3, 0,
-     "read as BT.601"},
+    {"alpha.webm", 64, 48, CLEAR ",format=yuva420p," UNTAGGED, "-c:v libvpx-vp9 -lossless 1", 64, 48, 4, 3, 3,
+     0, "read as BT.601"},
 };
 
 typedef struct Said {

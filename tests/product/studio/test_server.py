@@ -630,7 +630,11 @@ def control_from_outside(program, folder, seconds):
             packet[rng.randrange(len(packet))] = rng.choice((0, 1, 4, 44, 47, 127, 128, 255, rng.randrange(256)))
         send(bytes(packet[:rng.choice((len(packet), rng.randrange(len(packet) + 1)))]))
         count += 1
-    answer = json.loads(studio.ask("GET", "control?known=0")[1])
+    answer = asked(0)
+    while not answer["events"] or answer["events"][-1]["address"] != "/last":  # until none of them is still on its way
+        send(osc("/last"))
+        answer = asked(answer["number"])
+    answer = asked(0)
     quarantine = 300 if b"__asan_init" in Path(program).read_bytes() else 0  # AddressSanitizer keeps what was freed
     assert len(answer["events"]) <= 256 and studio.memory() < before + 20 + quarantine, (len(answer["events"]), studio.memory() - before)
     filled, answered = folder.parent / "filled", threading.Event()

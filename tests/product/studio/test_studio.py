@@ -166,7 +166,7 @@ def go_through(page, folder, pictures):
 
 
 def go_without_board(program, found, folder, first, pictures):
-    """From nothing to the relit object by the codes on it alone. What the first rig has simulated already is copied."""
+    """From nothing to the relit object by the codes on it alone. The photographs that the first rig simulated are copied."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
