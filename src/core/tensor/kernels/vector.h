@@ -44,8 +44,8 @@ static inline void ffp_store_masked(real *to, FfpVector vector, int count) {
         return;
     }
     ffp_store(lanes, vector);
-    for (int i = 0; i < FFP_LANES; i++)
-        if (i < count) to[i] = lanes[i];
+    if (count <= 0) return; // told so, gcc 14 does not warn of a copy without bounds
+    for (int i = 0; i < count; i++) to[i] = lanes[i];
 }
 #endif
 
