@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
-"""bench/scaling_picture.py WORK OUT.png: the picture of docs/lab/results.md on growth, from what `bench/scaling.py sizes WORK ..` has left.
+"""bench/scaling_picture.py OUT.png [FIGURES.json]: the picture of docs/lab/results.md on growth, from docs/lab/measured.json.
 
-Means over the scenes against the pixels of a view, both axes logarithmic: seconds of each stage, and peak memory and size of the PLY file, with a line
-that grows as the pixels do. Needs python3-matplotlib and numpy."""
+Means over the scenes against the pixels of a view, both axes logarithmic: seconds of one thread for each stage, and peak memory and size of the PLY file,
+with a line that grows as the pixels do. Needs python3-matplotlib and numpy."""
 import argparse
 import json
-import re
 from pathlib import Path
 
 import matplotlib
@@ -14,19 +13,9 @@ import numpy
 matplotlib.use("Agg")
 from matplotlib import pyplot, ticker  # noqa: E402
 
+FIGURES = Path(__file__).resolve().parents[1] / "docs/lab/measured.json"
 STAGES = {"seconds": "all", "matching": "matching", "network": "network", "polish": "polish", "noise": "noise"}
 SPACE = {"peak_gb": "peak memory, GB", "ply_gb": "PLY file, GB"}
-
-
-def read(work):
-    """Sides in pixels, and the means of each column, one number a side."""
-    sizes = {}
-    for path in work.glob("sizes_turntable_*.json"):
-        rows = json.loads(path.read_text(encoding="utf-8"))
-        means = {column: numpy.mean([row[column] for row in rows]) for column in (*STAGES, "peak_gb", "ply_mb")}
-        sizes[int(re.search(r"(\d+)\.json$", path.name)[1])] = means | {"ply_gb": means["ply_mb"] / 1e3}
-    sides = sorted(sizes)
-    return numpy.array(sides), {column: [sizes[side][column] for side in sides] for column in (*STAGES, *SPACE)}
 
 
 def draw(axes, sides, columns, labels, title):
@@ -46,14 +35,15 @@ def draw(axes, sides, columns, labels, title):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("work", type=Path)
     parser.add_argument("out")
+    parser.add_argument("figures", type=Path, nargs="?", default=FIGURES)
     options = parser.parse_args()
-    sides, columns = read(options.work)
-    if len(sides) < 2:
-        parser.error(f"{options.work}: fewer than two sizes (sizes_turntable_*.json)")
+    rows = json.loads(options.figures.read_text(encoding="utf-8"))["sizes"]["rows"]
+    columns = {column: [row[column] for row in rows.values()] for column in (*STAGES, "peak_gb", "ply_mb")}
+    columns["ply_gb"] = [mb / 1e3 for mb in columns["ply_mb"]]
+    sides = numpy.array([int(size) for size in rows])
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(10, 5), layout="constrained")
-    draw(left, sides, columns, STAGES, "Seconds of a reconstruction from 8 views")
+    draw(left, sides, columns, STAGES, "Seconds of a reconstruction from 8 views, one thread")
     draw(right, sides, columns, SPACE, "Memory and file")
     figure.savefig(options.out, dpi=90)
 

@@ -167,7 +167,7 @@ def without_board(f):
 @block
 def sizes(f):
     rows = [[size, cell(of["psnr"]), cell(of["gaussians"], 0), cell(of["ply_mb"], 1 if of["ply_mb"] < 10 else 0)] for size, of in f["sizes"]["rows"].items()]
-    return (f"Eight views, means over {f['sizes']['count']} scenes of the test split (0, 25, ..), each made at its size (`bench/scaling.py sizes`), "
+    return (f"Eight views, means over {f['sizes']['count']} scenes of the test split (0, 25, ..), each made at its size, "
             f"program {program(f, {'sizes': ''})}:\n\n" + table(["size", "as shipped", "Gaussians", "PLY, MB"], rows))
 
 
@@ -175,8 +175,8 @@ def sizes(f):
 def views(f):
     v = f["views"]
     rows = [[count, cell(of["psnr"]), cell(v["free"][count]["psnr"]), cell(of["peak_gb"])] for count, of in v["turntable"].items()]
-    return (f"Numbers of views at 128 x 128, {v['count']} scenes, on a turntable and on free rigs (`bench/scaling.py views`), program {program(f, {'views': ''})}; "
-            "peak memory is of the turntable:\n\n" + table(["views", "turntable", "free", "peak GB"], rows))
+    return (f"Numbers of views at 128 x 128, {v['count']} scenes, on a turntable and on free rigs, program {program(f, {'views': ''})}; "
+            "peak memory is of the turntable and one thread:\n\n" + table(["views", "turntable", "free", "peak GB"], rows))
 
 
 @block
@@ -229,7 +229,7 @@ def seconds(f):
 @block
 def large(f):
     rows = [[name, *(cell(of.get(key), digits) for key, digits in (("seconds", 1), ("polish", 1), ("peak_gb", 2)))] for name, of in f["large"]["rows"].items()]
-    return f"Larger captures, program {program(f, {'large': ''}, timed=True)}:\n\n" + table(["capture", "seconds", "of these the polish", "peak GB"], rows)
+    return f"Larger captures, medians of {f['large']['runs']} runs, program {program(f, {'large': ''}, timed=True)}:\n\n" + table(["capture", "seconds", "of these the polish", "peak GB"], rows)
 
 
 def ms(value):

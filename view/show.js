@@ -27,10 +27,16 @@ class Show {
     return app.projectors.map((p) => ({layers: describeLayers(app, p.layers), correction: p.correction, watcher: p.watcher}));
   }
 
+  // NAME, NAME 2, NAME 3 ..: the first of them that no cue has, as OSC calls cues by name.
+  unused(name, n = 1) {
+    const tried = n > 1 ? `${name} ${n}` : name;
+    return this.cues.some((cue) => cue.name.toLowerCase() === tried.toLowerCase()) ? this.unused(name, n + 1) : tried;
+  }
+
   // Adds it as a cue.
   add() {
     if (this.cues.length >= CUES_MAX) throw new Message(`A show has at most ${CUES_MAX} cues.`);
-    this.cues.push({name: shortName(this.app.projector.content.name), fade: 1, follow: null, pose: null, shown: this.shown()});
+    this.cues.push({name: this.unused(shortName(this.app.projector.content.name)), fade: 1, follow: null, pose: null, shown: this.shown()});
     this.changed();
   }
 

@@ -72,7 +72,7 @@ process.exitCode = 1; // until all of it has run: a promise that nothing resolve
 (async () => {
   await assert.rejects(show.go(), (error) => error instanceof Message && /no cues yet/.test(error.message));
   show.add(), show.add();
-  assert.deepStrictEqual(show.cues.map(({name, fade, follow, shown}) => [name, fade, follow, shown.length]), [['Colour', 1, null, 2], ['Colour', 1, null, 2]]);
+  assert.deepStrictEqual(show.cues.map(({name, fade, follow, shown}) => [name, fade, follow, shown.length]), [['Colour', 1, null, 2], ['Colour 2', 1, null, 2]]);
   show.cues = [one('red'), one('green', {fade: 3, pose: 0}), one('blue', {follow: 5})];
   await assert.rejects(show.go(7), (error) => /no cue 8/.test(error.message));
 
