@@ -140,7 +140,7 @@ def photographs(f):
 
 @block
 def walks(f):
-    return f"{f['walks']['count']} scenes of a walking camera, eight places, 88 x 64 pixels, full frame, have {cell(f['walks']['psnr'])} dB, program {program(f, {'walks': ''})}."
+    return f"{f['walks']['count']} scenes of a walking camera, eight places, 128 x 96 pixels, full frame, have {cell(f['walks']['psnr'])} dB, program {program(f, {'walks': ''})}."
 
 
 @block
