@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """bench/scaling_picture.py OUT.png [FIGURES.json]: the picture of docs/lab/results.md on growth, from docs/lab/measured.json.
 
-Means over the scenes against the pixels of a view, both axes logarithmic: seconds of one thread for each stage, and peak memory and size of the PLY file,
-with a line that grows as the pixels do. Needs python3-matplotlib and numpy."""
+Means over the scenes against the pixels of a view, both axes logarithmic: processor seconds, and peak memory and size of the PLY file, with a line that
+grows as the pixels do. Needs python3-matplotlib and numpy."""
 import argparse
 import json
 from pathlib import Path
@@ -14,14 +14,14 @@ matplotlib.use("Agg")
 from matplotlib import pyplot, ticker  # noqa: E402
 
 FIGURES = Path(__file__).resolve().parents[1] / "docs/lab/measured.json"
-STAGES = {"seconds": "all", "matching": "matching", "network": "network", "polish": "polish", "noise": "noise"}
+SECONDS = {"processor": "one thread"}
 SPACE = {"peak_gb": "peak memory, GB", "ply_gb": "PLY file, GB"}
 
 
 def draw(axes, sides, columns, labels, title):
     pixels = sides.astype(float) ** 2
     for column, label in labels.items():
-        axes.loglog(pixels, columns[column], "o-", label=label, linewidth=2.5 if column == "seconds" else 1.5)
+        axes.loglog(pixels, columns[column], "o-", label=label)
     first = next(iter(labels))
     axes.loglog(pixels, columns[first][0] * pixels / pixels[0], ":", color="grey", label="as the pixels do")
     axes.set_xticks(pixels, [f"{side} x {side}" for side in sides])
@@ -39,11 +39,11 @@ def main():
     parser.add_argument("figures", type=Path, nargs="?", default=FIGURES)
     options = parser.parse_args()
     rows = json.loads(options.figures.read_text(encoding="utf-8"))["sizes"]["rows"]
-    columns = {column: [row[column] for row in rows.values()] for column in (*STAGES, "peak_gb", "ply_mb")}
+    columns = {column: [row[column] for row in rows.values()] for column in (*SECONDS, "peak_gb", "ply_mb")}
     columns["ply_gb"] = [mb / 1e3 for mb in columns["ply_mb"]]
     sides = numpy.array([int(size) for size in rows])
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(10, 5), layout="constrained")
-    draw(left, sides, columns, STAGES, "Seconds of a reconstruction from 8 views, one thread")
+    draw(left, sides, columns, SECONDS, "Processor seconds of a reconstruction from 8 views")
     draw(right, sides, columns, SPACE, "Memory and file")
     figure.savefig(options.out, dpi=90)
 

@@ -176,7 +176,7 @@ def views(f):
     v = f["views"]
     rows = [[count, cell(of["psnr"]), cell(v["free"][count]["psnr"]), cell(of["peak_gb"])] for count, of in v["turntable"].items()]
     return (f"Numbers of views at 128 x 128, {v['count']} scenes, on a turntable and on free rigs, program {program(f, {'views': ''})}; "
-            "peak memory is of the turntable and one thread:\n\n" + table(["views", "turntable", "free", "peak GB"], rows))
+            "peak memory is of the turntable:\n\n" + table(["views", "turntable", "free", "peak GB"], rows))
 
 
 @block
