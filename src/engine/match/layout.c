@@ -1,4 +1,5 @@
 #include "engine/match/layout.h"
+#include <string.h>
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "core/base/call.h"
@@ -18,6 +19,9 @@ enum { PLANES_MAX = 14, POINTS_MAX = 8000, SEEDS = 400, FITS = 3 };
 #define SMALLER 0.1F      // cost of a plane that has e times fewer points than the largest
 #define UNSEEN 0.2F       // share of both where no other view looks: there the pixels around should tell
 #define OUTSIDE 1.0F      // cost of a plane that the ray does not meet from its front
+#define ROUNDS 3          // of labels; in all but the first, by the depths of the round before:
+#define VOTES 0.2F        // cost of a plane that all other views see past; less where they agree
+#define SAME 0.03F        // difference of depths, as a share, within which they do
 
 typedef struct Plane { // normal . x = away; the normal faces the cameras
     real normal[3], away;
@@ -131,6 +135,7 @@ typedef struct Layout {
     const Plane *planes;
     int count;
     const real *filled, *lit;
+    const real *before; // [views,h,w]: depths of the round before; NULL in the first
     real *depth;
 } Layout;
 
@@ -167,12 +172,34 @@ static real plane_prior(const Layout *l, int k, const FfpView *view, size_t pixe
            BEYOND * beyond(&l->planes[k], view, pixel, z);
 }
 
+// The other views' judgement of the ray's point at depth z, by their depths of the round before: 1 if all that
+// can tell see past it, -1 if all have it, 0 if fewer than two can tell.
+static real votes(const Layout *l, const FfpUnlitRay *ray, real z) {
+    const FfpDepths *depths = l->scene->depths;
+    const FfpAsked *asked = &l->scene->support_views.asked[ray->view];
+    int past = 0, agree = 0;
+    if (!l->before) return 0;
+    for (int k = 0; k < asked->count; k++) {
+        const int other = asked->view[k];
+        real u = -1, v = -1;
+        if (other == ray->view) continue;
+        const real depth = ffp_line_at(&ray->camera[other], z, &u, &v);
+        if (!(u >= 0 && v >= 0 && u < (real)depths->width && v < (real)depths->height)) continue;
+        const size_t row = (size_t)other * (size_t)depths->height + (size_t)v;
+        const real theirs = l->before[row * (size_t)depths->width + (size_t)u];
+        past += depth < (1 - SAME) * theirs;
+        agree += depth >= (1 - SAME) * theirs && depth <= (1 + SAME) * theirs;
+    }
+    return past + agree > 1 ? (real)(past - agree) / (real)(past + agree) : 0;
+}
+
 // Cost of a pixel without a trusted depth to lie on plane k, at depth z.
 static real plane_cost(const Layout *l, int k, const FfpUnlitRay *ray, size_t pixel, real z) {
     if (!(z > 0)) return OUTSIDE;
     const real cost = ffp_unlit_cost(l->scene, ray, z);
     const real share = cost == FFP_UNLIT_UNKNOWN ? UNSEEN : 1;
-    return cost + share * plane_prior(l, k, &l->scene->depths->capture->views[ray->view], pixel, z);
+    return cost + share * plane_prior(l, k, &l->scene->depths->capture->views[ray->view], pixel, z) +
+           VOTES * votes(l, ray, z);
 }
 
 // Cost of its filled depth. Of an unlit pixel that was found by chance, so that it is no better than unknown.
@@ -218,7 +245,7 @@ static void label_view(void *argument, int64_t index) {
         for (int k = 0; k < l->count; k++)
             if (here[k] < here[best]) best = k;
         const real z = best < l->count ? depth_on(&l->planes[best], self, foreground.pixel[slot]) : 0;
-        if (z > 0) l->depth[i] = z;
+        l->depth[i] = z > 0 ? z : l->filled[i];
     }
     ffp_free(lines);
     ffp_free(total);
@@ -229,15 +256,21 @@ static void label_view(void *argument, int64_t index) {
 
 void ffp_layout_depths(real *depth, const FfpDepths *depths, const real *normals, const real *filled,
                        const real *lit) {
-    const size_t area = (size_t)depths->width * (size_t)depths->height;
-    for (size_t i = 0; i < area * (size_t)depths->capture->n_views; i++) depth[i] = filled[i];
+    const size_t count = (size_t)depths->width * (size_t)depths->height * (size_t)depths->capture->n_views;
+    memcpy(depth, filled, count * sizeof(real));
     Point *points = ffp_alloc(POINTS_MAX + 1, sizeof *points);
     Plane planes[PLANES_MAX];
-    const int count = find_planes(planes, points, list_points(points, depths, normals));
+    const int found = find_planes(planes, points, list_points(points, depths, normals));
     ffp_free(points);
-    if (count == 0) return;
+    if (found == 0) return;
     FfpUnlit scene = ffp_unlit_new(depths);
-    ffp_parallel_for(depths->capture->n_views, 0, label_view,
-                     &(Layout){&scene, planes, count, filled, lit, depth});
+    real *before = ffp_alloc(count, sizeof(real));
+    const int rounds = depths->capture->n_views > 2 ? ROUNDS : 1;
+    for (int round = 0; round < rounds; round++) {
+        memcpy(before, depth, count * sizeof(real));
+        ffp_parallel_for(depths->capture->n_views, 0, label_view,
+                         &(Layout){&scene, planes, found, filled, lit, round > 0 ? before : NULL, depth});
+    }
+    ffp_free(before);
     ffp_unlit_free(&scene);
 }

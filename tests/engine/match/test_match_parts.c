@@ -5,6 +5,7 @@
 #include "engine/match/blurred.h"
 #include "engine/match/enlarge.h"
 #include "engine/match/fill.h"
+#include "engine/match/layout.h"
 #include "engine/match/line.h"
 #include "engine/match/match.h"
 #include "engine/match/projector_rays.h"
@@ -336,6 +337,44 @@ static void test_a_surface_without_a_share(void **state) {
     ffp_blurred_free(&blurred);
 }
 
+// A panel before a wall of the same colour, with a place that no pattern reaches. Two views from afar have it
+// in two pixels, where those around tell; a close one has 14, and would put their middle on the wall, which
+// is larger, if the others' labels were not heard.
+static void test_layout_asks_views(void **state) {
+    (void)state;
+    enum { N = 3, W = 64, H = 64, AREA = W * H };
+    const real panel = 3, wall = 4, half = 0.45F, unlit = 0.06F;
+    static real depth[N * AREA], trust[N * AREA], lit[N * AREA], filled[N * AREA], found[N * AREA];
+    static real black[N * AREA * 3], normals[N * AREA * 3], coverage[AREA];
+    FfpView views[N];
+    FfpImage images[N];
+    const FfpCapture capture = {.n_views = N, .views = views, .radius = 1, .scene = true};
+    for (int i = 0; i < N * AREA * 3; i++) black[i] = 0.2F, normals[i] = i % 3 == 2 ? -1 : 0;
+    for (int i = 0; i < AREA; i++) coverage[i] = 1;
+    for (int v = 0; v < N; v++) {
+        const real focal = v == 0 ? 350 : 50;
+        const FfpCamera camera = {
+            W, H, focal, focal, W / 2, H / 2, {1, 0, 0, 0.1F * (real)v, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+        images[v] = (FfpImage){W, H, 3, black + (size_t)v * AREA * 3};
+        views[v] =
+            (FfpView){.camera = camera, .projector = camera, .images = &images[v], .near = 1, .far = 9};
+        views[v].coverage = (FfpImage){W, H, 1, coverage};
+        for (int i = 0; i < AREA; i++) {
+            real at[3];
+            ffp_point_at(&camera, (real)(i % W) + 0.5F, (real)(i / W) + 0.5F, panel, at);
+            const bool on = fabsf(at[0]) < half && fabsf(at[1]) < half;
+            const bool dark = fabsf(at[0]) < unlit && fabsf(at[1]) < unlit;
+            const size_t p = (size_t)v * AREA + (size_t)i;
+            depth[p] = on ? panel : wall;
+            trust[p] = lit[p] = dark ? 0 : 1;
+            filled[p] = dark ? 6 : depth[p];
+        }
+    }
+    const FfpDepths depths = {&capture, W, H, depth, trust};
+    ffp_layout_depths(found, &depths, normals, filled, lit);
+    for (int i = 0; i < N * AREA; i++) assert_true(fabsf(found[i] - depth[i]) < 0.02F);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_frame),
                                        cmocka_unit_test(test_line_is_projection),
@@ -346,6 +385,7 @@ int main(void) {
                                        cmocka_unit_test(test_projector_rays),
                                        cmocka_unit_test(test_asked),
                                        cmocka_unit_test(test_refute),
-                                       cmocka_unit_test(test_a_surface_without_a_share)};
+                                       cmocka_unit_test(test_a_surface_without_a_share),
+                                       cmocka_unit_test(test_layout_asks_views)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
