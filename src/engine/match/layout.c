@@ -172,8 +172,8 @@ static real plane_prior(const Layout *l, int k, const FfpView *view, size_t pixe
            BEYOND * beyond(&l->planes[k], view, pixel, z);
 }
 
-// The other views' judgement of the ray's point at depth z, by their depths of the round before: 1 if all that
-// can tell see past it, -1 if all have it, 0 if fewer than two can tell.
+// The other views' judgement of the ray's point at depth z, by their depths of the round before: 1 if all
+// that can tell see past it, -1 if all have it, 0 if fewer than two can tell.
 static real votes(const Layout *l, const FfpUnlitRay *ray, real z) {
     const FfpDepths *depths = l->scene->depths;
     const FfpAsked *asked = &l->scene->support_views.asked[ray->view];
