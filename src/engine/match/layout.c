@@ -4,7 +4,7 @@
 #include "core/base/arena.h"
 #include "core/base/call.h"
 #include "engine/match/foreground.h"
-#include "engine/match/sweep.h"
+#include "engine/match/labels.h"
 #include "engine/match/thresholds.h"
 #include "engine/match/unlit_work.h"
 
@@ -12,13 +12,13 @@ enum { PLANES_MAX = 14, POINTS_MAX = 8000, SEEDS = 400, FITS = 3 };
 #define NEAR_PLANE 2.0F   // footprints off a plane within which a point lies on it
 #define FACING 0.9F       // least cosine between its normal and the plane's
 #define LEAST_SHARE 0.02F // of all points that make a plane
-#define CHANGE 0.25F      // cost of another plane, or of none, beside a pixel
 #define ODD 0.15F         // cost of lying on no plane
 #define BEYOND 0.2F       // cost of lying e times as far from a plane's middle as its points do,
 #define USUAL 1.5F        // in units of the root of their mean squared distance
-#define SMALLER 0.1F      // cost of a plane that has e times fewer points than the largest
+#define SMALLER 0.05F     // cost of a plane that has e times fewer points than the largest
 #define UNSEEN 0.2F       // share of both where no other view looks: there the pixels around should tell
-#define OUTSIDE 1.0F      // cost of a plane that the ray does not meet from its front
+#define OUTSIDE 1.0F      // cost of a plane that the ray does not meet from its front,
+#define OFF 4.0F          // and of one that a trusted point does not lie on
 #define ROUNDS 3          // of labels; in all but the first, by the depths of the round before:
 #define VOTES 0.2F        // cost of a plane that all other views see past; less where they agree
 #define SAME 0.03F        // difference of depths, as a share, within which they do
@@ -218,7 +218,7 @@ static void label_costs(real *cost, const Layout *l, int view, size_t pixel, Ffp
     for (int k = 0; k < l->count; k++) {
         const real z = depth_on(&l->planes[k], self, pixel), slack = 2 * NEAR_PLANE * z / self->camera.fx;
         const bool on = z > 0 && fabs(z - depths->depth[i]) <= slack;
-        cost[k] = trusted ? (on ? 0 : OUTSIDE) : plane_cost(l, k, &ray, pixel, z);
+        cost[k] = trusted ? (on ? 0 : OFF) : plane_cost(l, k, &ray, pixel, z);
     }
     cost[l->count] = ODD + (trusted ? 0 : filled_cost(l, &ray, i));
 }
@@ -236,7 +236,7 @@ static void label_view(void *argument, int64_t index) {
     FfpLine *lines = ffp_alloc(2 * (size_t)depths->capture->n_views, sizeof *lines);
     for (size_t slot = 0; slot < foreground.count; slot++)
         label_costs(cost + slot * (size_t)labels, l, view, foreground.pixel[slot], lines);
-    ffp_semi_global(total, cost, &foreground, labels, CHANGE, CHANGE);
+    ffp_labels_total(total, cost, &foreground, labels, l->scene->encoded + 3 * first);
     for (size_t slot = 0; slot < foreground.count; slot++) {
         const size_t i = first + foreground.pixel[slot];
         const real *here = total + slot * (size_t)labels;

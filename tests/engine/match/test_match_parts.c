@@ -5,6 +5,7 @@
 #include "engine/match/blurred.h"
 #include "engine/match/enlarge.h"
 #include "engine/match/fill.h"
+#include "engine/match/labels.h"
 #include "engine/match/layout.h"
 #include "engine/match/line.h"
 #include "engine/match/match.h"
@@ -337,7 +338,30 @@ static void test_a_surface_without_a_share(void **state) {
     ffp_blurred_free(&blurred);
 }
 
-// A panel before a wall of the same colour, with a place that no pattern reaches. Two views from afar have it
+// A bright half and a dimmer one. One pixel of the bright half has label 1, and all others lean towards label
+// 0: the whole half follows it, and nothing of the other. In the dark it stands alone.
+static void test_labels_of_one_colour(void **state) {
+    (void)state;
+    enum { W = 24, H = 12, AREA = W * H, LABELS = 2 };
+    static real colour[AREA * 3], cost[AREA * LABELS], total[AREA * LABELS], mask[AREA];
+    for (int i = 0; i < AREA; i++) mask[i] = 1;
+    const FfpImage coverage = {.width = W, .height = H, .channels = 1, .data = mask};
+    FfpForeground foreground = ffp_foreground_new(&coverage);
+    for (int dark = 0; dark < 2; dark++) {
+        for (int i = 0; i < AREA * 3; i++) colour[i] = dark ? 0 : i / 3 % W < W / 2 ? 0.5F : 0.3F;
+        for (int i = 0; i < AREA; i++) cost[i * LABELS] = 0, cost[i * LABELS + 1] = 0.05F;
+        for (int i = W / 4; i < AREA; i += W) cost[i * LABELS] = 4, cost[i * LABELS + 1] = 0;
+        ffp_labels_total(total, cost, &foreground, LABELS, colour);
+        for (int i = 0; i < AREA; i++) {
+            const bool one = total[i * LABELS + 1] < total[i * LABELS];
+            const int away = abs(i % W - W / 4);
+            assert_true(dark ? (away > 0 || one) && (away < 6 || !one) : one == (i % W < W / 2));
+        }
+    }
+    ffp_foreground_free(&foreground);
+}
+
+// A panel before a wall in the dark, with a place that no pattern reaches. Two views from afar have it
 // in two pixels, where those around tell; a close one has 14, and would put their middle on the wall, which
 // is larger, if the others' labels were not heard.
 static void test_layout_asks_views(void **state) {
@@ -349,7 +373,7 @@ static void test_layout_asks_views(void **state) {
     FfpView views[N];
     FfpImage images[N];
     const FfpCapture capture = {.n_views = N, .views = views, .radius = 1, .scene = true};
-    for (int i = 0; i < N * AREA * 3; i++) black[i] = 0.2F, normals[i] = i % 3 == 2 ? -1 : 0;
+    for (int i = 0; i < N * AREA * 3; i++) black[i] = 0, normals[i] = i % 3 == 2 ? -1 : 0;
     for (int i = 0; i < AREA; i++) coverage[i] = 1;
     for (int v = 0; v < N; v++) {
         const real focal = v == 0 ? 350 : 50;
@@ -386,6 +410,7 @@ int main(void) {
                                        cmocka_unit_test(test_asked),
                                        cmocka_unit_test(test_refute),
                                        cmocka_unit_test(test_a_surface_without_a_share),
+                                       cmocka_unit_test(test_labels_of_one_colour),
                                        cmocka_unit_test(test_layout_asks_views)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
