@@ -36,13 +36,14 @@ static size_t slot_before(const FfpForeground *on, size_t slot, int dx, int dy) 
 // Carries the path of one direction from slot `from` to `slot`. From off the object it starts again.
 static void step(Walk *walk, const real *cost, size_t slot, size_t from, size_t way) {
     const size_t labels = (size_t)walk->labels, here = slot * WAYS + way, there = from * WAYS + way;
-    real *path = walk->path + here * labels, least = FAR_COST, change = 0;
-    const real *before = from == FFP_OFF ? NULL : walk->path + there * labels;
-    if (before)
-        change = cost_of_change(walk->colour + 3 * walk->on->pixel[slot],
-                                walk->colour + 3 * walk->on->pixel[from]);
+    const bool begins = from == FFP_OFF;
+    const size_t *pixel = walk->on->pixel;
+    real change = 0;
+    if (!begins) change = cost_of_change(walk->colour + 3 * pixel[slot], walk->colour + 3 * pixel[from]);
+    real *path = walk->path + here * labels, least = FAR_COST;
     for (size_t k = 0; k < labels; k++) {
-        path[k] = cost[k] + (before ? fmin(before[k] - walk->least[there], change) : 0);
+        path[k] = cost[k];
+        if (!begins) path[k] += fmin(walk->path[there * labels + k] - walk->least[there], change);
         least = fmin(least, path[k]);
     }
     walk->least[here] = least;
