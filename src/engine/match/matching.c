@@ -88,7 +88,8 @@ static void search(real *depth, real *confidence, real *range, unsigned char **h
     ffp_sweep(cost, self, &foreground, observed, patterns, planes, inside);
     ffp_coded_costs(cost, capture, view, &foreground, planes);
     ffp_cancel_point();
-    ffp_semi_global(total, cost, &foreground, planes->count, FFP_SMALL_STEP, FFP_LARGE_STEP);
+    ffp_semi_global(total, cost, &foreground, planes->count,
+                    &(FfpSteps){.small = FFP_SMALL_STEP, .large = FFP_LARGE_STEP});
     choose(depth, confidence, total, cost, &foreground, observed, planes);
     ffp_free(total);
     ffp_free(cost);

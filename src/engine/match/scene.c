@@ -70,7 +70,8 @@ void ffp_match_scene_view(real *depth, real *confidence, const FfpStereo *stereo
     ffp_stereo_costs(cost, stereo, view, &foreground, &planes, STEREO_SHARE);
     ffp_coded_costs(cost, capture, view, &foreground, &planes);
     ffp_cancel_point();
-    ffp_semi_global(total, cost, &foreground, planes.count, SMALL_STEP, LARGE_STEP);
+    ffp_semi_global(total, cost, &foreground, planes.count,
+                    &(FfpSteps){.small = SMALL_STEP, .large = LARGE_STEP});
     real *finer = ffp_alloc(pixels, sizeof(real)), *lit_trust = ffp_alloc(pixels, sizeof(real));
     memset(depth, 0, pixels * sizeof(real));
     memset(confidence, 0, pixels * sizeof(real));

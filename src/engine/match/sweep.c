@@ -76,7 +76,7 @@ void ffp_sweep(real *cost, const FfpView *view, const FfpForeground *foreground,
     ffp_free(here);
 }
 
-void ffp_semi_global(real *total, const real *cost, const FfpForeground *foreground, int count, real small,
-                     real large) {
-    ffp_match_kernels()->semi_global(total, cost, foreground, count, small, large);
+void ffp_semi_global(real *total, const real *cost, const FfpForeground *foreground, int count,
+                     const FfpSteps *steps) {
+    ffp_match_kernels()->semi_global(total, cost, foreground, count, steps);
 }

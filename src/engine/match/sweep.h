@@ -52,9 +52,20 @@ void ffp_sweep(real *cost, const FfpView *view, const FfpForeground *foreground,
                const FfpObservation *observed, const FfpBlurred *patterns, const FfpPlanes *planes,
                const unsigned char *inside);
 
+// Cost of any step between neighbouring pixels a and b of a picture [h,w,3].
+typedef real FfpBorder(const real *picture, size_t a, size_t b);
+
+// Costs of steps between the planes of neighbours: of one plane `small`, of more `large`, unless there is
+// `border`.
+typedef struct FfpSteps {
+    real small, large;
+    FfpBorder *border;
+    const real *picture;
+} FfpSteps;
+
 // Semi-global aggregation (Hirschmueller 2008) over eight directions within the foreground: added to
-// total [foreground, count]. Steps of one plane between neighbours cost `small`, longer ones `large`.
-void ffp_semi_global(real *total, const real *cost, const FfpForeground *foreground, int count, real small,
-                     real large);
+// total [foreground, count].
+void ffp_semi_global(real *total, const real *cost, const FfpForeground *foreground, int count,
+                     const FfpSteps *steps);
 
 #endif

@@ -180,7 +180,8 @@ static void find_view(real *out, const FfpUnlit *scene, int view, const real *fi
         ffp_hull(own, capture, view, &foreground, &planes);
     }
     view_costs(cost, scene, view, &foreground, &planes, inside, filled);
-    ffp_semi_global(total, cost, &foreground, planes.count, SMALL_STEP, LARGE_STEP);
+    ffp_semi_global(total, cost, &foreground, planes.count,
+                    &(FfpSteps){.small = SMALL_STEP, .large = LARGE_STEP});
     for (size_t slot = 0; slot < foreground.count; slot++) {
         const size_t i = first + foreground.pixel[slot];
         if (scene->depths->trust[i] <= 0) out[i] = choose(total + slot * count, &planes, filled[i]);

@@ -199,7 +199,7 @@ static void test_semi_global(void **state) {
     assert_int_equal(foreground.count, W * H - 2);
     for (size_t slot = 0; slot < foreground.count; slot++)
         for (size_t k = 0; k < N; k++) shown_cost[slot * N + k] = cost[foreground.pixel[slot] * N + k];
-    ffp_semi_global(total, shown_cost, &foreground, N, 0.1F, 0.4F);
+    ffp_semi_global(total, shown_cost, &foreground, N, &(FfpSteps){.small = 0.1F, .large = 0.4F});
     for (int i = 0; i < W * H; i++) {
         const size_t slot = foreground.slot[i];
         assert_true((slot == FFP_OFF) == (mask[i] <= 0));

@@ -87,7 +87,7 @@ static void paths(Answer *answer) {
     const size_t count = foreground.count * N;
     real *cost = ffp_alloc(count, sizeof *cost), *total = ffp_alloc(count, sizeof *total);
     fill(cost, count, 9, 0, 1);
-    ffp_semi_global(total, cost, &foreground, N, 0.1F, 0.4F);
+    ffp_semi_global(total, cost, &foreground, N, &(FfpSteps){.small = 0.1F, .large = 0.4F});
     give(answer, total, count);
     ffp_free(cost), ffp_free(total);
     ffp_foreground_free(&foreground), ffp_image_free(&coverage);

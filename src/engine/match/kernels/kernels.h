@@ -15,7 +15,7 @@ typedef void FfpFitPlanes(FfpPlane planes[FFP_MATCH_LANES], const FfpSheet *shee
 typedef real FfpRefinePixel(const FfpFineSearch *search, const FfpPlane *plane, int x, int y, real step);
 // ffp_semi_global.
 typedef void FfpSemiGlobal(real *total, const real *cost, const FfpForeground *foreground, int count,
-                           real small, real large);
+                           const FfpSteps *steps);
 
 // ffp_stereo_plane.
 typedef void FfpSweepStereoPlane(real *single, const FfpStereoPlane *plane);

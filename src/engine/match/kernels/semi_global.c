@@ -27,15 +27,15 @@ static real path_step(real *restrict path, const real *restrict before, real lea
 typedef struct Paths {
     const FfpForeground *foreground;
     int count;
-    real small, large;
+    const FfpSteps *steps;
     size_t stride;  // of a path: count + 2
     real *rows[2];  // [width, WAYS, stride]
     real *least[2]; // [width, WAYS]
     real *fresh;    // [stride] a path that starts again: zero, so that L = C
 } Paths;
 
-static Paths paths_new(const FfpForeground *foreground, int count, real small, real large) {
-    Paths out = {foreground, count, small, large, (size_t)count + 2, {NULL, NULL}, {NULL, NULL}, NULL};
+static Paths paths_new(const FfpForeground *foreground, int count, const FfpSteps *steps) {
+    Paths out = {foreground, count, steps, (size_t)count + 2, {NULL, NULL}, {NULL, NULL}, NULL};
     const size_t width = (size_t)foreground->width, cells = width * WAYS * out.stride;
     for (int r = 0; r < 2; r++) {
         out.rows[r] = ffp_alloc(cells, sizeof(real));
@@ -63,14 +63,17 @@ static const real *step_to(Paths *paths, const real *cost, int x, int y, int way
     const int px = x - dx, py = y - dy, now = y & 1;
     const size_t here = (size_t)x * WAYS + (size_t)way;
     const real *before = paths->fresh;
-    real least = 0, *path = paths->rows[now] + here * paths->stride;
-    if (px >= 0 && px < on->width && py >= 0 && py < on->height &&
-        on->slot[(size_t)py * (size_t)on->width + (size_t)px] != FFP_OFF) {
+    const FfpSteps *steps = paths->steps;
+    real small = steps->small, large = steps->large, least = 0;
+    real *path = paths->rows[now] + here * paths->stride;
+    const size_t width = (size_t)on->width, from = (size_t)py * width + (size_t)px;
+    if (px >= 0 && px < on->width && py >= 0 && py < on->height && on->slot[from] != FFP_OFF) {
         const size_t there = (size_t)px * WAYS + (size_t)way;
+        if (steps->border) small = large = steps->border(steps->picture, (size_t)y * width + (size_t)x, from);
         before = paths->rows[py & 1] + there * paths->stride;
         least = paths->least[py & 1][there];
     }
-    paths->least[now][here] = path_step(path, before, least, cost, paths->count, paths->small, paths->large);
+    paths->least[now][here] = path_step(path, before, least, cost, paths->count, small, large);
     return path + 1;
 }
 
@@ -96,9 +99,9 @@ static void walk(Paths *paths, real *total, const real *cost, int sign) {
     }
 }
 
-void FFP_K(semi_global)(real *total, const real *cost, const FfpForeground *foreground, int count, real small,
-                        real large) {
-    Paths paths = paths_new(foreground, count, small, large);
+void FFP_K(semi_global)(real *total, const real *cost, const FfpForeground *foreground, int count,
+                        const FfpSteps *steps) {
+    Paths paths = paths_new(foreground, count, steps);
     walk(&paths, total, cost, 1);
     walk(&paths, total, cost, -1);
     paths_free(&paths);
