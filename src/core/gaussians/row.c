@@ -1,9 +1,12 @@
 #include "core/gaussians/row.h"
+#include <float.h>
 #include <math.h>
 
-#define MARGIN 1e-6        // shares stay this far off 0 and 1, where a logit has no end
-#define SCALE_MIN 1e-30    // smaller ones would not survive the square in a covariance
-#define LOG_SCALE_MAX 80.0 // exp of it fits a float
+#define MARGIN 1e-6          // shares stay this far off 0 and 1, where a logit has no end
+#define ROTATION_LEAST 1e-12 // length
+#define SCALE_MIN 1e-30      // smaller ones would not survive the square in a covariance
+#define LOG_SCALE_MAX 80.0   // exp of it fits a float,
+#define AMBIENT_MAX 1e16     // and so does the radiance of this
 
 const char *const ffp_row_names[FFP_ROW_NUMBERS] = {"x",
                                                     "y",
@@ -60,23 +63,20 @@ static double encode_scale(double scale) {
     return log(fmax(scale, SCALE_MIN));
 }
 
-static double decode_scale(double x) {
-    return fabs(x) > LOG_SCALE_MAX ? INFINITY : exp(x);
-}
-
 typedef struct Column {
-    int first;                                   // of the row's numbers
-    double (*encode)(double), (*decode)(double); // what cannot be used becomes infinite
+    int first; // of the row's numbers
+    double (*encode)(double), (*decode)(double);
+    double most; // magnitude of one that can be used
 } Column;
 
 static const Column columns[FFP_ATTRIBUTES] = {
-    [FFP_CENTRE] = {FFP_ROW_POSITION, as_it_is, as_it_is},
-    [FFP_SCALE] = {FFP_ROW_SCALE, encode_scale, decode_scale},
-    [FFP_ROTATION] = {FFP_ROW_ROTATION, as_it_is, as_it_is},
-    [FFP_OPACITY] = {FFP_ROW_OPACITY, logit, sigmoid},
-    [FFP_ALBEDO] = {FFP_ROW_ALBEDO, logit, sigmoid},
-    [FFP_ROUGHNESS] = {FFP_ROW_ROUGHNESS, logit, sigmoid},
-    [FFP_AMBIENT] = {FFP_ROW_AMBIENT, encode_ambient, decode_ambient},
+    [FFP_CENTRE] = {FFP_ROW_POSITION, as_it_is, as_it_is, FLT_MAX},
+    [FFP_SCALE] = {FFP_ROW_SCALE, encode_scale, exp, LOG_SCALE_MAX},
+    [FFP_ROTATION] = {FFP_ROW_ROTATION, as_it_is, as_it_is, FLT_MAX},
+    [FFP_OPACITY] = {FFP_ROW_OPACITY, logit, sigmoid, INFINITY},
+    [FFP_ALBEDO] = {FFP_ROW_ALBEDO, logit, sigmoid, FLT_MAX},
+    [FFP_ROUGHNESS] = {FFP_ROW_ROUGHNESS, logit, sigmoid, FLT_MAX},
+    [FFP_AMBIENT] = {FFP_ROW_AMBIENT, encode_ambient, decode_ambient, AMBIENT_MAX},
 };
 
 void ffp_row_encode(const FfpGaussians *gaussians, int64_t index, float row[FFP_ROW_NUMBERS]) {
@@ -87,25 +87,29 @@ void ffp_row_encode(const FfpGaussians *gaussians, int64_t index, float row[FFP_
     }
 }
 
-static bool normalise(real q[4]) {
-    double length = 0;
-    for (int c = 0; c < 4; c++) length += (double)q[c] * (double)q[c];
-    length = sqrt(length);
-    if (length < 1e-12) return false;
-    for (int c = 0; c < 4; c++) q[c] = (real)((double)q[c] / length);
-    return true;
+static double length_of(const float q[4]) {
+    double squared = 0;
+    for (int c = 0; c < 4; c++) squared += (double)q[c] * (double)q[c];
+    return sqrt(squared);
+}
+
+int ffp_row_refused(const float row[FFP_ROW_NUMBERS]) {
+    for (int a = 0; a < FFP_ATTRIBUTES; a++)
+        for (int n = columns[a].first; n < columns[a].first + ffp_attributes[a].width; n++)
+            if (!(fabs((double)row[n]) <= columns[a].most)) return n; // NaN too
+    return length_of(row + FFP_ROW_ROTATION) < ROTATION_LEAST ? FFP_ROW_ROTATION : -1;
 }
 
 int ffp_row_decode(const float row[FFP_ROW_NUMBERS], FfpGaussians *gaussians, int64_t index) {
+    const int refused = ffp_row_refused(row);
+    if (refused >= 0) return refused;
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute to = ffp_attribute(gaussians, a);
-        for (int i = 0; i < to.width; i++) {
-            const int number = columns[a].first + i;
-            const double value = columns[a].decode((double)row[number]);
-            const bool endless = a == FFP_OPACITY && !isnan(row[number]); // the logits of 0 and 1
-            if (!(isfinite(row[number]) || endless) || !isfinite((float)value)) return number;
-            to.data[index * to.width + i] = (real)value;
-        }
+        for (int i = 0; i < to.width; i++)
+            to.data[index * to.width + i] = (real)columns[a].decode((double)row[columns[a].first + i]);
     }
-    return normalise(gaussians->rotation + 4 * index) ? -1 : FFP_ROW_ROTATION;
+    const double length = length_of(row + FFP_ROW_ROTATION);
+    real *q = gaussians->rotation + 4 * index;
+    for (int c = 0; c < 4; c++) q[c] = (real)((double)q[c] / length);
+    return -1;
 }

@@ -22,9 +22,11 @@ enum {
 extern const char *const ffp_row_names[FFP_ROW_NUMBERS];
 
 void ffp_row_encode(const FfpGaussians *gaussians, int64_t index, float row[FFP_ROW_NUMBERS]);
-// Writes Gaussian `index`. Returns -1, or the number (index into the names) whose value cannot be used: not
-// finite (but for the opacity's logit, which may be infinite), a scale that overflows, a rotation of length
-// zero.
+// The number (index into the names) whose value cannot be used; -1: there is none. Such are what is not
+// finite (but for the opacity's logit, which may be infinite), a scale or ambient colour that overflows, and
+// a rotation of length zero.
+int ffp_row_refused(const float row[FFP_ROW_NUMBERS]);
+// Writes Gaussian `index`, unless a number is refused, which is returned; otherwise -1.
 int ffp_row_decode(const float row[FFP_ROW_NUMBERS], FfpGaussians *gaussians, int64_t index);
 
 #endif

@@ -122,13 +122,14 @@ static double score_there(const FfpCapture *there, const Work *w, const FfpGauss
     return psnr;
 }
 
-// PSNR on the photographs that the reconstruction is made from, of VIEWS_SCORED views if there are more.
-static double score(Work *w, const FfpGaussians *gaussians, const int64_t *pixel,
-                    const FfpReconstruction *options) {
+// PSNR of both on the photographs that the reconstruction is made from, of VIEWS_SCORED views if there are
+// more.
+static void score(Work *w, const FfpGaussians *const both[2], int64_t *const pixels[2],
+                  const FfpReconstruction *options, double psnr[2]) {
     const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, options->model);
-    const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, pixel};
     const FfpCapture *there = capture_there(w);
     FfpView views[VIEWS_SCORED];
+    FfpOrigin origins[2];
     FfpCapture some = there ? *there : w->capture;
     for (int k = 0; k < VIEWS_SCORED && some.n_views > VIEWS_SCORED; k++)
         views[k] = some.views[k * some.n_views / VIEWS_SCORED];
@@ -136,8 +137,11 @@ static double score(Work *w, const FfpGaussians *gaussians, const int64_t *pixel
         some.views = views;
         some.n_views = VIEWS_SCORED;
     }
-    if (there) return score_there(&some, w, gaussians, settings);
-    return ffp_pyramid_psnr(gaussians, &origin, &some, w->photographs, w->n_photographs, &settings);
+    for (int i = 0; i < 2; i++) {
+        origins[i] = (FfpOrigin){w->start.views, w->start.width, w->start.height, pixels[i]};
+        if (there) psnr[i] = score_there(&some, w, both[i], settings);
+    }
+    if (!there) ffp_pyramid_psnr(both, origins, 2, &some, w->photographs, w->n_photographs, &settings, psnr);
 }
 
 // Keeps the classical initialisation where the network shows the photographs clearly worse than it. A small
@@ -145,7 +149,9 @@ static double score(Work *w, const FfpGaussians *gaussians, const int64_t *pixel
 static void keep_initial_if_better(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats) {
     FfpGaussians start = ffp_initialisation_gaussians(&w->padded, &w->start);
     int64_t *pixel = ffp_initialisation_pixels(&w->start);
-    const double before = score(w, &start, pixel, options), after = score(w, &w->result, w->pixel, options);
+    double psnr[2];
+    score(w, (const FfpGaussians *[]){&start, &w->result}, (int64_t *[]){pixel, w->pixel}, options, psnr);
+    const double before = psnr[0], after = psnr[1];
     stats->network_dropped = start.count > 0 && after < before - NETWORK_LOSS_MAX;
     if (stats->network_dropped) {
         ffp_note("the network reproduces the photographs worse than the classical initialisation, %.1f "

@@ -5,6 +5,10 @@
 #include "engine/refine/adam.h"
 #include "engine/refine/refine.h"
 
+// dB that a fit's best round has more than its first, from which it has clearly gained: nothing need be drawn
+// again to see it.
+#define FFP_CLEAR_GAIN 1
+
 // The setting that no device supports, in words for a message; NULL: none.
 const char *ffp_refine_beyond_devices(const FfpRefineSettings *settings);
 

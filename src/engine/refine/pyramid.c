@@ -4,6 +4,7 @@
 #include "core/base/device.h"
 #include "core/base/log.h"
 #include "core/capture/reduce.h"
+#include "engine/refine/fit.h"
 #include "engine/refine/reduce.h"
 
 #define LEAST_SHARE 0.25 // of the steps, at any size
@@ -16,7 +17,8 @@ typedef struct Pyramid {
     const int *patterns;
     int n_patterns;
     const FfpRefineSettings *settings;
-    int coarsest; // side of its blocks
+    int coarsest;      // side of its blocks
+    double first_psnr; // of the coarsest fit's first round
 } Pyramid;
 
 int ffp_pyramid_side(const FfpCapture *capture) {
@@ -61,6 +63,12 @@ static void swap(FfpGaussians *a, FfpGaussians *b) {
     *b = c;
 }
 
+// The best state on the way showed the pictures clearly better than the first one of this fit, and than the
+// first one of all, in smaller pictures, which splats show better.
+static bool has_clearly_gained(const Pyramid *p, const FfpRefineResult *finest) {
+    return finest->best_psnr > fmax(p->first_psnr, finest->first_psnr) + FFP_CLEAR_GAIN;
+}
+
 // At full size: the last fit, and the judgement on all of them. `first` is what they began with.
 static bool fit_finest(const Pyramid *p, FfpGaussians *gaussians, const FfpGaussians *first,
                        const FfpCapture *pictures, const FfpRefineSettings *settings, FfpRefineResult *result,
@@ -68,7 +76,7 @@ static bool fit_finest(const Pyramid *p, FfpGaussians *gaussians, const FfpGauss
     FfpGaussians coarser = ffp_gaussians_copy(gaussians);
     const bool ok =
         ffp_refine_offered(gaussians, pictures, p->patterns, p->n_patterns, settings, result, err);
-    if (ok) {
+    if (ok && !has_clearly_gained(p, result)) {
         const double before = score(p, &coarser, pictures), after = score(p, gaussians, pictures);
         if (before > after) swap(gaussians, &coarser);
         result->dropped = fmax(before, after) < score(p, first, pictures);
@@ -93,36 +101,42 @@ static bool fit_level(const Pyramid *p, FfpGaussians *gaussians, const FfpGaussi
     return ok;
 }
 
-static bool fit_levels(const Pyramid *p, FfpGaussians *gaussians, const FfpGaussians *first,
+static bool fit_levels(Pyramid *p, FfpGaussians *gaussians, const FfpGaussians *first,
                        FfpRefineResult *result, FfpError *err) {
     int64_t steps = 0;
     for (int side = p->coarsest; side > 0; side /= 2) {
         if (!fit_level(p, gaussians, first, side, result, err)) return false;
+        if (side == p->coarsest) p->first_psnr = result->first_psnr;
         steps += result->steps;
     }
     result->steps = steps;
     return true;
 }
 
-double ffp_pyramid_psnr(const FfpGaussians *gaussians, const FfpOrigin *origin, const FfpCapture *capture,
-                        const int *patterns, int n_patterns, const FfpRenderSettings *render) {
+void ffp_pyramid_psnr(const FfpGaussians *const *gaussians, const FfpOrigin *origins, int n,
+                      const FfpCapture *capture, const int *patterns, int n_patterns,
+                      const FfpRenderSettings *render, double *psnr) {
     FfpRenderSettings one_sample = *render;
     one_sample.samples = 1;
     const int side = ffp_pyramid_side(capture);
-    if (side == 1 || !origin->pixel || gaussians->count < 1)
-        return ffp_photographs_psnr(gaussians, capture, patterns, n_patterns, &one_sample);
-    FfpCapture small = ffp_reduced(capture, patterns, n_patterns, side);
-    FfpCoarse coarse = ffp_coarse_new(gaussians, origin, side);
-    const double psnr = ffp_photographs_psnr(&coarse.gaussians, &small, patterns, n_patterns, &one_sample);
-    ffp_coarse_free(&coarse);
+    FfpCapture small = {0};
+    if (side > 1) small = ffp_reduced(capture, patterns, n_patterns, side);
+    for (int i = 0; i < n; i++) {
+        if (side == 1 || !origins[i].pixel || gaussians[i]->count < 1) {
+            psnr[i] = ffp_photographs_psnr(gaussians[i], capture, patterns, n_patterns, &one_sample);
+            continue;
+        }
+        FfpCoarse coarse = ffp_coarse_new(gaussians[i], &origins[i], side);
+        psnr[i] = ffp_photographs_psnr(&coarse.gaussians, &small, patterns, n_patterns, &one_sample);
+        ffp_coarse_free(&coarse);
+    }
     ffp_capture_reduced_free(&small);
-    return psnr;
 }
 
 bool ffp_refine_pyramid(FfpGaussians *gaussians, const FfpOrigin *origin, const FfpCapture *capture,
                         const int *patterns, int n_patterns, const FfpRefineSettings *settings,
                         FfpRefineResult *result, FfpError *err) {
-    const Pyramid p = {origin, capture, patterns, n_patterns, settings, ffp_pyramid_side(capture)};
+    Pyramid p = {origin, capture, patterns, n_patterns, settings, ffp_pyramid_side(capture), 0};
     if (p.coarsest == 1 || !origin->pixel || settings->steps < capture->n_views || gaussians->count < 1)
         return ffp_refine_offered(gaussians, capture, patterns, n_patterns, settings, result, err);
     if (ffp_device())

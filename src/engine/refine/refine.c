@@ -75,7 +75,6 @@ FfpRefineSettings ffp_polish_defaults(int64_t steps) {
     return s;
 }
 
-#define CLEAR_GAIN 1  // dB
 #define LOSSES_MOST 3 // rounds in a row below the first: a fit that only does harm ends
 
 typedef struct Fit { // one run of ffp_refine
@@ -250,7 +249,7 @@ static bool one_round(Fit *fit, FfpError *err) {
 
 static Fit fit_new(const FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
                    int n_patterns, const FfpRefineSettings *settings) {
-    Fit fit = {.capture = capture, .settings = settings, .best_psnr = -INFINITY};
+    Fit fit = {.capture = capture, .settings = settings, .first_psnr = -INFINITY, .best_psnr = -INFINITY};
     fit.started = ffp_seconds();
     fit.viewer = ffp_photo_loss_new(capture, patterns, n_patterns, settings);
     fit.parameters = ffp_parameters_new(gaussians, !settings->growth, settings->growth);
@@ -296,7 +295,7 @@ static bool mean_is_due(const Fit *fit) {
 // Rounds' own figures, which are of states on the way, tell when the mean has clearly gained; otherwise all
 // are judged.
 static bool choose(Fit *fit, const FfpGaussians *before) {
-    const bool clear = fit->settings->growth || fit->best_psnr > fit->first_psnr + CLEAR_GAIN;
+    const bool clear = fit->settings->growth || fit->best_psnr > fit->first_psnr + FFP_CLEAR_GAIN;
     FfpGaussians mean = {0};
     if (mean_is_due(fit)) {
         FfpParameters numbers = fit->parameters;
@@ -343,6 +342,8 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
         if (!result->dropped) copy(gaussians, &fit.best);
         if (settings->measure) result->psnr_after = ffp_photo_loss_psnr(fit.viewer, gaussians);
         result->steps = fit.step;
+        result->first_psnr = fit.first_psnr;
+        result->best_psnr = fit.best_psnr;
         result->gaussians = gaussians->count;
         result->seconds = ffp_seconds() - fit.started;
         result->stopped = settings->may_stop && ffp_cancelled();

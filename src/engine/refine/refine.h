@@ -65,8 +65,10 @@ typedef struct FfpRefineResult {
     double seconds;
     double psnr_before, psnr_after; // dB on the pictures fitted, mean over pictures; without 8-bit rounding;
                                     // 0 unless they are to be measured
-    bool stopped;                   // by the caller
-    bool dropped;                   // the fit made the pictures worse: nothing was changed
+    double first_psnr,
+        best_psnr; // of whole rounds, -INFINITY without one: of states on the way, by the looks
+    bool stopped;  // by the caller
+    bool dropped;  // the fit made the pictures worse: nothing was changed
 } FfpRefineResult;
 
 // Fits to the given patterns of all views (indices into the capture's), as far as a view has photographs

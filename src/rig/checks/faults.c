@@ -70,10 +70,12 @@ static bool check_devices(FfpFindings *found, const FfpCapture *capture) {
 // is brighter than white, too, the room's light was on. NULL: no matter.
 static bool check_order(FfpFindings *found, const FfpCapture *capture, int a, int b,
                         const FfpLights *lights) {
-    int count = 0, first = 0;
+    int count = 0, first = capture->n_views;
+#pragma omp parallel for schedule(static) reduction(+ : count) reduction(min : first)
     for (int v = 0; v < capture->n_views; v++) {
         if (!ffp_rig_is_darker(&capture->views[v], a, b)) continue;
-        if (count++ == 0) first = v;
+        count++;
+        if (v < first) first = v;
     }
     const bool all = count == capture->n_views && count > 1;
     if (count == 0) return true;
@@ -96,9 +98,10 @@ static bool same_picture(const FfpImage *a, const FfpImage *b) {
 static void check_repeated_views(FfpFindings *found, const FfpCapture *capture) {
     const int white = capture->white;
     double *means = ffp_alloc((size_t)capture->n_views, sizeof *means);
+#pragma omp parallel for schedule(static)
+    for (int v = 0; v < capture->n_views; v++) means[v] = ffp_image_mean(&capture->views[v].images[white]);
     for (int v = 0; v < capture->n_views; v++) {
         const FfpView *view = &capture->views[v];
-        means[v] = ffp_image_mean(&view->images[white]);
         for (int w = 0; w < v; w++)
             if (means[v] == means[w] && !ffp_same_device(&view->camera, &capture->views[w].camera) &&
                 same_picture(&view->images[white], &capture->views[w].images[white]))
@@ -109,18 +112,12 @@ static void check_repeated_views(FfpFindings *found, const FfpCapture *capture) 
     ffp_free(means);
 }
 
-// The mean of a pattern's values, as a share of white.
-static double mean_shown(const FfpCapture *capture, int pattern) {
-    const FfpImage *image = &capture->patterns[pattern].image;
-    if (pattern == capture->black || pattern == capture->white) return pattern == capture->white;
-    return ffp_image_mean(image);
-}
-
 // True if the photographs under two patterns differ by hardly any of the projector's light, noise or more.
-static bool shows_same(const FfpCapture *capture, const FfpView *view, int a, int b) {
+// unlike: the patterns do.
+static bool shows_same(const FfpCapture *capture, const FfpView *view, int a, int b, bool unlike) {
     double light = 0, apart = 0;
     if (same_picture(&view->images[a], &view->images[b])) return true;
-    if (fabs(mean_shown(capture, a) - mean_shown(capture, b)) < ALIKE_PATTERNS) return false;
+    if (!unlike) return false;
     for (ptrdiff_t i = 0; i < (ptrdiff_t)3 * view->camera.width * view->camera.height; i++) {
         apart += fabs((double)(view->images[a].data[i] - view->images[b].data[i]));
         light += fabs((double)(view->images[capture->white].data[i] - view->images[capture->black].data[i]));
@@ -130,12 +127,14 @@ static bool shows_same(const FfpCapture *capture, const FfpView *view, int a, in
 
 // A file that was copied, or a photograph taken before the projector had changed.
 static bool check_repeated(FfpFindings *found, const FfpCapture *capture, int active) {
+    const int shown[3] = {capture->black, capture->white, active};
+    const double mean = active >= 0 ? ffp_image_mean(&capture->patterns[active].image) : 0,
+                 means[3] = {0, 1, mean};
     for (int v = 0; v < capture->n_views; v++) {
         const FfpView *view = &capture->views[v];
-        const int shown[3] = {capture->black, capture->white, active};
         for (int k = 0; k < (active >= 0 ? 3 : 1); k++) { // the first two are black and white
-            const int a = shown[k], b = shown[(k + 1) % 3];
-            if (shows_same(capture, view, a, b))
+            const int other = (k + 1) % 3, a = shown[k], b = shown[other];
+            if (shows_same(capture, view, a, b, fabs(means[k] - means[other]) >= ALIKE_PATTERNS))
                 return ffp_found(found, FFP_RULE_SAME_PHOTOGRAPH,
                                  &(FfpFacts){.view = view->id,
                                              .a = capture->patterns[a].name,

@@ -1,5 +1,6 @@
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 #include "core/numerics/rank.h"
@@ -48,11 +49,18 @@ static bool can_be_lit(const FfpCapture *capture, const FfpView *view, size_t pi
     return false;
 }
 
-// Of lit pixels over all views so far.
+// Of lit pixels.
 typedef struct Lit {
     float *white, *share; // brightest channel under white; of it under black
     size_t count;
 } Lit;
+
+typedef struct Looking {
+    const FfpCapture *capture;
+    bool reach;
+    FfpObjectLight *views; // [n_views]
+    Lit *lit;              // [n_views]
+} Looking;
 
 // 95 % of the object's pixels are darker under white.
 static float bright_of(const FfpView *view, int white) {
@@ -67,9 +75,13 @@ static float bright_of(const FfpView *view, int white) {
     return bright;
 }
 
-static FfpObjectLight look_at_view(const FfpCapture *capture, const FfpView *view, bool reach, Lit *lit) {
+static void look_at_view(void *argument, int64_t index) {
+    const Looking *looking = argument;
+    const FfpCapture *capture = looking->capture;
+    const FfpView *view = &capture->views[index];
     const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
     FfpObjectLight out = {.bright = bright_of(view, capture->white)};
+    Lit *lit = &looking->lit[index];
     const double least = fmin(LIT, LIT_SHARE * (double)out.bright);
     for (size_t i = 0; i < pixels; i++) {
         const real *black = view->images[capture->black].data + 3 * i,
@@ -85,32 +97,56 @@ static FfpObjectLight look_at_view(const FfpCapture *capture, const FfpView *vie
         out.reversed += w < b - LIT;
         if (w - b <= least) continue;
         out.lit++;
-        out.unreached += reach && !can_be_lit(capture, view, i);
+        out.unreached += looking->reach && !can_be_lit(capture, view, i);
         if (w - b <= LIT) continue;
         lit->white[lit->count] = (float)w;
         lit->share[lit->count++] = (float)(b / w);
     }
+    looking->views[index] = out;
     ffp_cancel_point();
-    return out;
+}
+
+// Each view's part of the arrays, one after the other; afterwards the first holds the lit pixels of all.
+static Lit *lit_of_views(const FfpCapture *capture) {
+    const size_t views = (size_t)capture->n_views;
+    Lit *lit = ffp_alloc(views + 1, sizeof *lit);
+    size_t pixels = 1, first = 0;
+    for (size_t v = 0; v < views; v++)
+        pixels += (size_t)capture->views[v].camera.width * (size_t)capture->views[v].camera.height;
+    float *white = ffp_alloc(pixels, sizeof *white), *share = ffp_alloc(pixels, sizeof *share);
+    for (size_t v = 0; v < views; v++) {
+        lit[v] = (Lit){white + first, share + first, 0};
+        first += (size_t)capture->views[v].camera.width * (size_t)capture->views[v].camera.height;
+    }
+    return lit;
+}
+
+static void put_together(Lit *lit, int views) {
+    for (int v = 1; v < views; v++) {
+        memmove(lit->white + lit->count, lit[v].white, lit[v].count * sizeof *lit->white);
+        memmove(lit->share + lit->count, lit[v].share, lit[v].count * sizeof *lit->share);
+        lit->count += lit[v].count;
+    }
 }
 
 FfpLights ffp_rig_lights(const FfpCapture *capture, bool reach) {
     FfpLights out = {.views = ffp_alloc((size_t)capture->n_views, sizeof *out.views)};
-    size_t pixels = 1;
-    for (int v = 0; v < capture->n_views; v++)
-        pixels += (size_t)capture->views[v].camera.width * (size_t)capture->views[v].camera.height;
-    Lit lit = {ffp_alloc(pixels, sizeof *lit.white), ffp_alloc(pixels, sizeof *lit.share), 0};
+    Lit *lit = lit_of_views(capture);
+    ffp_parallel_for(capture->n_views, 0, look_at_view, &(Looking){capture, reach, out.views, lit});
     for (int v = 0; v < capture->n_views; v++) {
-        const FfpObjectLight own = out.views[v] = look_at_view(capture, &capture->views[v], reach, &lit);
-        out.all.object += own.object, out.all.lit += own.lit, out.all.brightened += own.brightened;
-        out.all.clipped += own.clipped, out.all.reversed += own.reversed, out.all.unreached += own.unreached;
-        out.all.black += own.black, out.all.added += own.added;
-        out.all.bright = fmaxf(out.all.bright, own.bright);
+        const FfpObjectLight *own = &out.views[v];
+        out.all.object += own->object, out.all.lit += own->lit, out.all.brightened += own->brightened;
+        out.all.clipped += own->clipped, out.all.reversed += own->reversed;
+        out.all.unreached += own->unreached;
+        out.all.black += own->black, out.all.added += own->added;
+        out.all.bright = fmaxf(out.all.bright, own->bright);
     }
-    out.bright = ffp_quantile(lit.white, lit.count, 0.95);
-    out.ambient = ffp_quantile(lit.share, lit.count, 0.5);
-    ffp_free(lit.white);
-    ffp_free(lit.share);
+    put_together(lit, capture->n_views);
+    out.bright = ffp_quantile(lit->white, lit->count, 0.95);
+    out.ambient = ffp_quantile(lit->share, lit->count, 0.5);
+    ffp_free(lit->white);
+    ffp_free(lit->share);
+    ffp_free(lit);
     return out;
 }
 

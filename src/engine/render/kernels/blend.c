@@ -50,12 +50,15 @@ ALWAYS_INLINE void write_block(const FfpRaster *raster, const Tile *tile, int b,
     }
 }
 
-// Where no splat is.
+// Where no splat is. A row without opacity is clear already, as most are that another view left so.
 static void clear_tile(const FfpRaster *raster, const Tile *tile, int channels, FfpGbuffer *out) {
     const Planes planes = gbuffer_planes(out, channels);
     for (int y = tile->y0; y < tile->y0 + tile->height; y++) {
         const size_t first = (size_t)y * (size_t)raster->width + (size_t)tile->x0,
                      row = sizeof(real) * (size_t)tile->width;
+        int covered = 0;
+        for (int x = 0; x < tile->width; x++) covered |= out->opacity[first + (size_t)x] != 0;
+        if (!covered) continue;
         for (int k = 0; k < channels; k += planes.stride[k])
             memset(planes.plane[k] + first * (size_t)planes.stride[k], 0, row * (size_t)planes.stride[k]);
         if (out->distortion) memset(out->distortion + first, 0, row);
