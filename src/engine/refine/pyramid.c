@@ -19,6 +19,7 @@ typedef struct Pyramid {
     const FfpRefineSettings *settings;
     int coarsest;      // side of its blocks
     double first_psnr; // of the coarsest fit's first round
+    bool gained;       // some coarser fit was kept
 } Pyramid;
 
 int ffp_pyramid_side(const FfpCapture *capture) {
@@ -76,7 +77,8 @@ static bool fit_finest(const Pyramid *p, FfpGaussians *gaussians, const FfpGauss
     FfpGaussians coarser = ffp_gaussians_copy(gaussians);
     const bool ok =
         ffp_refine_offered(gaussians, pictures, p->patterns, p->n_patterns, settings, result, err);
-    if (ok && !has_clearly_gained(p, result)) {
+    const bool nothing = ok && result->dropped && !p->gained;
+    if (ok && !nothing && !has_clearly_gained(p, result)) {
         const double before = score(p, &coarser, pictures), after = score(p, gaussians, pictures);
         if (before > after) swap(gaussians, &coarser);
         result->dropped = fmax(before, after) < score(p, first, pictures);
@@ -107,6 +109,7 @@ static bool fit_levels(Pyramid *p, FfpGaussians *gaussians, const FfpGaussians *
     for (int side = p->coarsest; side > 0; side /= 2) {
         if (!fit_level(p, gaussians, first, side, result, err)) return false;
         if (side == p->coarsest) p->first_psnr = result->first_psnr;
+        p->gained |= !result->dropped;
         steps += result->steps;
     }
     result->steps = steps;
@@ -136,7 +139,7 @@ void ffp_pyramid_psnr(const FfpGaussians *const *gaussians, const FfpOrigin *ori
 bool ffp_refine_pyramid(FfpGaussians *gaussians, const FfpOrigin *origin, const FfpCapture *capture,
                         const int *patterns, int n_patterns, const FfpRefineSettings *settings,
                         FfpRefineResult *result, FfpError *err) {
-    Pyramid p = {origin, capture, patterns, n_patterns, settings, ffp_pyramid_side(capture), 0};
+    Pyramid p = {origin, capture, patterns, n_patterns, settings, ffp_pyramid_side(capture), 0, false};
     if (p.coarsest == 1 || !origin->pixel || settings->steps < capture->n_views || gaussians->count < 1)
         return ffp_refine_offered(gaussians, capture, patterns, n_patterns, settings, result, err);
     if (ffp_device())

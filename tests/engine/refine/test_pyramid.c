@@ -201,6 +201,23 @@ static void test_levels_gain_at_seen_and_unseen_views(void **state) {
     scene_free(&s);
 }
 
+// Steps far too long destroy a fit at every size, and it is judged by drawing.
+static void test_what_loses_is_dropped(void **state) {
+    (void)state;
+    Scene s = scene_new(250, 130);
+    FfpGaussians start = disturbed(&s.truth), levels = ffp_gaussians_copy(&start);
+    FfpRefineSettings settings = settings_of(16);
+    FfpRefineResult result;
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) settings.rates.rate[a] *= 300;
+    assert_true(
+        ffp_refine_pyramid(&levels, &s.origin, &s.capture, all_patterns, PATTERNS, &settings, &result, NULL));
+    assert_true(result.dropped);
+    assert_true(same_bits(&start, &levels));
+    ffp_gaussians_free(&start);
+    ffp_gaussians_free(&levels);
+    scene_free(&s);
+}
+
 static void test_threads_do_not_matter(void **state) {
     (void)state;
     Scene s = scene_new(250, 130);
@@ -344,6 +361,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_small_pictures_are_fitted_as_ever),
         cmocka_unit_test(test_levels_gain_at_seen_and_unseen_views),
+        cmocka_unit_test(test_what_loses_is_dropped),
         cmocka_unit_test(test_threads_do_not_matter),
         cmocka_unit_test(test_stopping_ends_all_levels),
         cmocka_unit_test(test_reduced_pictures_show_the_same),
