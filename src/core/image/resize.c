@@ -45,14 +45,20 @@ static void taps_free(Taps *taps) {
     ffp_free(taps->weights);
 }
 
-static void narrow_row(const Taps *across, const real *row, int n, int width, real *to) {
+static inline void narrow_channels(const Taps *across, const real *row, const int n, int width, real *to) {
     for (int x = 0; x < width; x++, to += n) {
         const real *from = row + (size_t)across->first[x] * (size_t)n;
         const real *weights = across->weights + (size_t)x * (size_t)across->most;
-        for (int k = 0; k < across->count[x]; k++) {
+        for (int k = 0; k < across->count[x]; k++)
             for (int c = 0; c < n; c++) to[c] += weights[k] * from[k * n + c];
-        }
     }
+}
+
+static void narrow_row(const Taps *across, const real *row, int n, int width, real *to) {
+    if (n == 3)
+        narrow_channels(across, row, 3, width, to);
+    else
+        narrow_channels(across, row, n, width, to);
 }
 
 FfpImage ffp_image_resize_rows(const FfpRows *rows, int width, int height) {
