@@ -88,6 +88,7 @@ typedef struct Fit { // one run of ffp_refine
     double best_psnr, first_psnr; // of rounds
     int64_t best_round, rounds;   // complete ones so far; which was the best, from 1
     int lost;                     // rounds in a row below the first
+    bool grown;                   // after the last step: no look has seen what there is now
     FfpGaussians mean;            // of the numbers after each of the last `averaged` steps
     int64_t averaged;
     int *order;         // [n_views] of the round
@@ -172,8 +173,9 @@ static void take_steps(Fit *fit, const int *views, int n, FfpFitLoss *losses) {
         average(fit, share);
         fit->step++;
     }
-    if (growth &&
-        growth->step(growth->state, fit->step, &fit->parameters, &fit->gaussians, &fit->adam_state)) {
+    fit->grown =
+        growth && growth->step(growth->state, fit->step, &fit->parameters, &fit->gaussians, &fit->adam_state);
+    if (fit->grown) {
         ffp_gaussians_free(&fit->gaussians);
         ffp_gaussians_free(&fit->grad[0]);
         fit->gaussians = ffp_gaussians_new(fit->parameters.numbers.count);
@@ -239,7 +241,7 @@ static bool one_round(Fit *fit, FfpError *err) {
     fit->rounds++;
     if (fit->rounds == 1) fit->first_psnr = sum.psnr;
     fit->lost = sum.psnr < fit->first_psnr ? fit->lost + 1 : 0;
-    if (sum.psnr > fit->best_psnr) {
+    if (sum.psnr > fit->best_psnr && !fit->grown) {
         fit->best_psnr = sum.psnr;
         fit->best_round = fit->rounds;
         copy(&fit->best, &fit->gaussians);

@@ -16,8 +16,8 @@ typedef struct FfpGrowth {
     // A view's gradient to the Gaussians, before it is pulled back.
     void (*note)(void *state, const FfpGaussians *gaussians, const FfpGaussians *grad,
                  const FfpCamera *camera);
-    // After each step, from 1. True if the number of parameters may have changed; Adam's state has then been
-    // adapted.
+    // After each step, from 1. True if the number of parameters may have changed, or opacities were taken
+    // back; Adam's state has then been adapted. No such state is a fit's result.
     bool (*step)(void *state, int64_t step, FfpParameters *parameters, const FfpGaussians *gaussians,
                  FfpGaussianAdam *adam_state);
 } FfpGrowth;

@@ -134,8 +134,9 @@ static bool step_control(void *state, int64_t step, FfpParameters *parameters, c
     if (step > density->until) return false;
     const bool changed = step >= density->from && step % density->every == 0 &&
                          change(density_control, parameters, gaussians, adam_state);
-    if (step % density->reset_every == 0) reset_opacities(density, parameters, adam_state);
-    return changed;
+    const bool reset = step % density->reset_every == 0;
+    if (reset) reset_opacities(density, parameters, adam_state);
+    return changed || reset;
 }
 
 FfpGrowth ffp_density_growth(FfpDensityControl *density_control) {

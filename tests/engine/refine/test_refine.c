@@ -316,6 +316,41 @@ static void test_the_mean_is_left_where_the_fit_goes_astray(void **state) {
     free_capture(&c);
 }
 
+static void look_away(void *state, const FfpGaussians *gaussians, const FfpGaussians *grad,
+                      const FfpCamera *camera) {
+    (void)state, (void)gaussians, (void)grad, (void)camera;
+}
+
+// After the last step nothing can be seen any more.
+static bool hide(void *state, int64_t step, FfpParameters *parameters, const FfpGaussians *gaussians,
+                 FfpGaussianAdam *adam_state) {
+    (void)gaussians, (void)adam_state;
+    const bool due = step == *(const int64_t *)state;
+    for (int64_t i = 0; due && i < parameters->numbers.count; i++) parameters->numbers.opacity[i] = -10;
+    return due;
+}
+
+// The last round has the most dB, but its looks were at what was there before.
+static void test_what_has_just_been_changed_is_no_result(void **state) {
+    (void)state;
+    FfpCapture c = ball_capture();
+    FfpGaussians g = disturbed();
+    int64_t steps = 6 * VIEWS;
+    FfpRefineSettings s = ffp_polish_defaults(steps);
+    FfpRefineResult result;
+    const FfpGrowth growth = {&steps, look_away, hide};
+    const double before = ffp_photographs_psnr(&g, &c, all_patterns, PATTERNS, &s.render);
+    s.growth = &growth;
+    s.pairs = false;
+    s.mean = 0;
+    s.rates.rate[FFP_CENTRE] = s.rates.rate[FFP_SCALE] = 0; // in the world's units, with growth
+    assert_true(ffp_refine(&g, &c, all_patterns, PATTERNS, &s, &result, NULL));
+    assert_int_equal(result.steps, steps);
+    assert_true(ffp_photographs_psnr(&g, &c, all_patterns, PATTERNS, &s.render) > before + 1);
+    ffp_gaussians_free(&g);
+    free_capture(&c);
+}
+
 static int compare_reals(const void *a, const void *b) {
     const real x = *(const real *)a, y = *(const real *)b;
     return (x > y) - (x < y);
@@ -576,6 +611,7 @@ int main(void) {
         cmocka_unit_test(test_numbers_go_there_and_back),
         cmocka_unit_test(test_neighbours_are_those_of_brute_force),
         cmocka_unit_test(test_splats_do_not_become_needles),
+        cmocka_unit_test(test_what_has_just_been_changed_is_no_result),
         cmocka_unit_test(test_a_fit_that_loses_is_dropped),
         cmocka_unit_test(test_a_quiet_fit_tells_nothing),
     };
