@@ -12,11 +12,15 @@ enum { PLANES_MAX = 14, POINTS_MAX = 8000, SEEDS = 400, FITS = 3 };
 #define NEAR_PLANE 2.0F   // footprints off a plane within which a point lies on it
 #define FACING 0.9F       // least cosine between its normal and the plane's
 #define LEAST_SHARE 0.02F // of all points that make a plane
+#define WALL 0.5F         // of the points on a wall, as many may seem to lie behind it,
+#define BEHIND 4.0F       // by so many footprints
 #define ODD 0.15F         // cost of lying on no plane
 #define BEYOND 0.2F       // cost of lying e times as far from a plane's middle as its points do,
 #define USUAL 1.5F        // in units of the root of their mean squared distance
 #define SMALLER 0.05F     // cost of a plane that has e times fewer points than the largest
 #define UNSEEN 0.2F       // share of both where no other view looks: there the pixels around should tell
+#define UNSEEN_WALL 0.3F  // cost of a wall there, of which other planes' is FFP_UNLIT_UNKNOWN
+#define BURIED 4.0F       // cost of lying behind a wall
 #define OUTSIDE 1.0F      // cost of a plane that the ray does not meet from its front,
 #define OFF 4.0F          // and of one that a trusted point does not lie on
 #define ROUNDS 3          // of labels; in all but the first, by the depths of the round before:
@@ -27,6 +31,7 @@ typedef struct Plane { // normal . x = away; the normal faces the cameras
     real normal[3], away;
     real middle[3], reach; // of its points: mean, and root of the mean squared distance from there
     int points;
+    bool wall; // nothing lies behind it
 } Plane;
 
 typedef struct Point {
@@ -54,8 +59,12 @@ static int list_points(Point *points, const FfpDepths *depths, const real *norma
     return count;
 }
 
+static real height_over(const Plane *plane, const real point[3]) {
+    return ffp_dot3(plane->normal, point) - plane->away;
+}
+
 static bool lies_on(const Point *point, const Plane *plane) {
-    return fabs(ffp_dot3(plane->normal, point->at) - plane->away) <= NEAR_PLANE * point->footprint &&
+    return fabs(height_over(plane, point->at)) <= NEAR_PLANE * point->footprint &&
            ffp_dot3(plane->normal, point->normal) >= FACING;
 }
 
@@ -102,8 +111,14 @@ static void fit(Plane *plane, const Point *points, int n) {
     for (int k = 0; k < 3; k++) plane->middle[k] = mean[k];
 }
 
+static void swap(Point *a, Point *b) {
+    const Point c = *a;
+    *a = *b;
+    *b = c;
+}
+
 // The planes of most points, one after the other (Fischler and Bolles 1981, with a point and its normal for a
-// sample). Returns how many there are.
+// sample). Returns how many there are; the points change their order.
 static int find_planes(Plane planes[PLANES_MAX], Point *points, int n) {
     const int least = (int)(LEAST_SHARE * (real)n) + 3;
     int count = 0;
@@ -121,11 +136,22 @@ static int find_planes(Plane planes[PLANES_MAX], Point *points, int n) {
         planes[count++] = best;
         int left = 0;
         for (int i = 0; i < n; i++)
-            if (!lies_on(&points[i], &best)) points[left++] = points[i];
+            if (!lies_on(&points[i], &best)) swap(&points[left++], &points[i]);
         if (left == n) break; // the fit has moved off them
         n = left;
     }
     return count;
+}
+
+// Walls, floor and ceiling of a room end it: hardly any point lies behind them. Other planes have points of
+// what they stand before.
+static void find_walls(Plane *planes, int count, const Point *points, int n) {
+    for (int k = 0; k < count; k++) {
+        int behind = 0;
+        for (int i = 0; i < n; i++)
+            behind += height_over(&planes[k], points[i].at) < -BEHIND * points[i].footprint;
+        planes[k].wall = (real)behind <= WALL * (real)planes[k].points;
+    }
 }
 
 // --- Labels. ---
@@ -193,13 +219,26 @@ static real votes(const Layout *l, const FfpUnlitRay *ray, real z) {
     return past + agree > 1 ? (real)(past - agree) / (real)(past + agree) : 0;
 }
 
+// What it costs a pixel's point at depth z to lie behind a wall.
+static real burial(const Layout *l, const FfpView *view, size_t pixel, real z) {
+    const size_t width = (size_t)view->camera.width;
+    real point[3];
+    ffp_point_at(&view->camera, (real)(pixel % width) + 0.5F, (real)(pixel / width) + 0.5F, z, point);
+    for (int k = 0; k < l->count; k++)
+        if (l->planes[k].wall && height_over(&l->planes[k], point) < -BEHIND * z / view->camera.fx)
+            return BURIED;
+    return 0;
+}
+
 // Cost of a pixel without a trusted depth to lie on plane k, at depth z.
 static real plane_cost(const Layout *l, int k, const FfpUnlitRay *ray, size_t pixel, real z) {
+    const FfpView *view = &l->scene->depths->capture->views[ray->view];
     if (!(z > 0)) return OUTSIDE;
-    const real cost = ffp_unlit_cost(l->scene, ray, z);
-    const real share = cost == FFP_UNLIT_UNKNOWN ? UNSEEN : 1;
-    return cost + share * plane_prior(l, k, &l->scene->depths->capture->views[ray->view], pixel, z) +
-           VOTES * votes(l, ray, z);
+    const real seen = ffp_unlit_cost(l->scene, ray, z);
+    const bool unknown = seen == FFP_UNLIT_UNKNOWN;
+    const real cost = unknown && l->planes[k].wall ? UNSEEN_WALL : seen;
+    return cost + (unknown ? UNSEEN : 1) * plane_prior(l, k, view, pixel, z) + VOTES * votes(l, ray, z) +
+           burial(l, view, pixel, z);
 }
 
 // Cost of its filled depth. Of an unlit pixel that was found by chance, so that it is no better than unknown.
@@ -220,7 +259,7 @@ static void label_costs(real *cost, const Layout *l, int view, size_t pixel, Ffp
         const bool on = z > 0 && fabs(z - depths->depth[i]) <= slack;
         cost[k] = trusted ? (on ? 0 : OFF) : plane_cost(l, k, &ray, pixel, z);
     }
-    cost[l->count] = ODD + (trusted ? 0 : filled_cost(l, &ray, i));
+    cost[l->count] = ODD + (trusted ? 0 : filled_cost(l, &ray, i) + burial(l, self, pixel, l->filled[i]));
 }
 
 static void label_view(void *argument, int64_t index) {
@@ -260,12 +299,15 @@ void ffp_layout_depths(real *depth, const FfpDepths *depths, const real *normals
     memcpy(depth, filled, count * sizeof(real));
     Point *points = ffp_alloc(POINTS_MAX + 1, sizeof *points);
     Plane planes[PLANES_MAX];
-    const int found = find_planes(planes, points, list_points(points, depths, normals));
+    const int listed = list_points(points, depths, normals), found = find_planes(planes, points, listed);
+    const bool several =
+        depths->capture->n_views > 2; // two see too little of a room, and of each other's part
+    if (several) find_walls(planes, found, points, listed);
     ffp_free(points);
     if (found == 0) return;
     FfpUnlit scene = ffp_unlit_new(depths);
     real *before = ffp_alloc(count, sizeof(real));
-    const int rounds = depths->capture->n_views > 2 ? ROUNDS : 1;
+    const int rounds = several ? ROUNDS : 1;
     for (int round = 0; round < rounds; round++) {
         memcpy(before, depth, count * sizeof(real));
         ffp_parallel_for(depths->capture->n_views, 0, label_view,

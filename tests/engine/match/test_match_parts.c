@@ -399,6 +399,40 @@ static void test_layout_asks_views(void **state) {
     for (int i = 0; i < N * AREA; i++) assert_true(fabsf(found[i] - depth[i]) < 0.02F);
 }
 
+// A wall and, below the cameras, a floor that patterns reach only far behind: the dark part in front lies on
+// the floor too, since what the wall would make of it is below the floor.
+static void test_nothing_lies_below_a_floor(void **state) {
+    (void)state;
+    enum { N = 3, W = 48, H = 64, AREA = W * H };
+    const real wall = 4, floor = 1, lit_from = 3;
+    static real depth[N * AREA], trust[N * AREA], lit[N * AREA], filled[N * AREA], found[N * AREA];
+    static real black[N * AREA * 3], normals[N * AREA * 3], coverage[AREA];
+    FfpView views[N];
+    FfpImage images[N];
+    const FfpCapture capture = {.n_views = N, .views = views, .radius = 1, .scene = true};
+    for (int i = 0; i < AREA; i++) coverage[i] = 1;
+    for (int v = 0; v < N; v++) {
+        const FfpCamera camera = {
+            W, H, 50, 50, W / 2, H / 2, {1, 0, 0, 0.1F * (real)v, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+        images[v] = (FfpImage){W, H, 3, black + (size_t)v * AREA * 3};
+        views[v] =
+            (FfpView){.camera = camera, .projector = camera, .images = &images[v], .near = 1, .far = 9};
+        views[v].coverage = (FfpImage){W, H, 1, coverage};
+        for (int i = 0; i < AREA; i++) {
+            const size_t p = (size_t)v * AREA + (size_t)i;
+            const real down = ((real)(i / W) + 0.5F - H / 2) / 50, to_floor = down > 0 ? floor / down : 9;
+            const bool below = to_floor < wall;
+            depth[p] = below ? to_floor : wall;
+            trust[p] = lit[p] = depth[p] > lit_from;
+            filled[p] = trust[p] > 0 ? depth[p] : wall;
+            normals[3 * p + (below ? 1 : 2)] = -1;
+        }
+    }
+    const FfpDepths depths = {&capture, W, H, depth, trust};
+    ffp_layout_depths(found, &depths, normals, filled, lit);
+    for (int i = 0; i < N * AREA; i++) assert_true(fabsf(found[i] - depth[i]) < 0.02F);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_frame),
                                        cmocka_unit_test(test_line_is_projection),
@@ -411,6 +445,7 @@ int main(void) {
                                        cmocka_unit_test(test_refute),
                                        cmocka_unit_test(test_a_surface_without_a_share),
                                        cmocka_unit_test(test_labels_of_one_colour),
-                                       cmocka_unit_test(test_layout_asks_views)};
+                                       cmocka_unit_test(test_layout_asks_views),
+                                       cmocka_unit_test(test_nothing_lies_below_a_floor)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
