@@ -219,7 +219,7 @@ static real votes(const Layout *l, const FfpUnlitRay *ray, real z) {
     return past + agree > 1 ? (real)(past - agree) / (real)(past + agree) : 0;
 }
 
-// What it costs a pixel's point at depth z to lie behind a wall.
+// The cost that a pixel's point at depth z has for lying behind a wall.
 static real burial(const Layout *l, const FfpView *view, size_t pixel, real z) {
     const size_t width = (size_t)view->camera.width;
     real point[3];
