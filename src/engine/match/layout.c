@@ -13,7 +13,8 @@ enum { PLANES_MAX = 14, POINTS_MAX = 8000, SEEDS = 400, FITS = 3 };
 #define FACING 0.9F       // least cosine between its normal and the plane's
 #define LEAST_SHARE 0.02F // of all points that make a plane
 #define WALL 0.5F         // of the points on a wall, as many may seem to lie behind it,
-#define BEHIND 4.0F       // by so many footprints
+#define BEHIND 4.0F       // by so many footprints;
+#define WALL_LEAST 0.05F  // share of all points that make one: wrong ones agree on small planes
 #define ODD 0.15F         // cost of lying on no plane
 #define BEYOND 0.2F       // cost of lying e times as far from a plane's middle as its points do,
 #define USUAL 1.5F        // in units of the root of their mean squared distance
@@ -150,7 +151,8 @@ static void find_walls(Plane *planes, int count, const Point *points, int n) {
         int behind = 0;
         for (int i = 0; i < n; i++)
             behind += height_over(&planes[k], points[i].at) < -BEHIND * points[i].footprint;
-        planes[k].wall = (real)behind <= WALL * (real)planes[k].points;
+        planes[k].wall =
+            (real)planes[k].points >= WALL_LEAST * (real)n && (real)behind <= WALL * (real)planes[k].points;
     }
 }
 
