@@ -9,7 +9,8 @@
 // and, unless `layers` is 0, those at places that other views' splats, finer ones first, already cover
 // `layers` times (docs/design/architecture.md, "Thinning"). Splats that are then isolated are widened to
 // close the surface.
-//   gaussians  in the capture's frame; the rows that stay, here and of `pixel`, keep their order
+//   gaussians  in the capture's frame, fewer than 2^31; the rows that stay, here and of `pixel`, keep their
+//              order
 //   pixel      [count] index (view * height + y) * width + x of the pixel whose ray each centre lies on; no
 //              two of one pixel
 //   trust      [views,height,width]: of two splats that repeat each other the one of more trust stays, of
