@@ -8,6 +8,7 @@
 
 enum { NEIGHBOURS = 4, ALIKE = 2 };
 #define UNKNOWN 0.5F // cost where no neighbour sees the point
+#define UNSEEN 2     // above all costs
 
 // Views that a view is compared with.
 typedef struct Neighbours {
@@ -105,10 +106,10 @@ typedef struct Sweep {
     const FfpForeground *foreground;
     const FfpPlanes *planes;
     Neighbours neighbours;
-    real *lines;  // [NEIGHBOURS, 6, foreground] FfpLine's numbers
-    real *single; // [h,w] cost of one plane and neighbour at each pixel; -1: unseen
-    real *rows;   // [h,w] the same summed over three pixels of a row, and how many there are
-    unsigned char *counts;
+    real *lines;         // [NEIGHBOURS, 6, foreground] FfpLine's numbers
+    real *single;        // [h,w] cost of one plane and neighbour at each pixel; -1: unseen
+    real *sums, *counts; // [h,w] of those seen of a row's three pixels around each
+    real *least; // [ALIKE,h,w] the least means over 3 x 3 pixels, ascending; UNSEEN where there are fewer
 } Sweep;
 
 void ffp_stereo_plane(real *single, const FfpStereoPlane *plane) {
@@ -131,56 +132,52 @@ static FfpStereoPlane plane_seen(const Sweep *w, int n, real at) {
     return plane;
 }
 
+static inline void add_three(const Sweep *w, size_t i, real left, real right) {
+    const real own = w->single[i];
+    w->sums[i] = ((left < 0 ? 0 : left) + (own < 0 ? 0 : own)) + (right < 0 ? 0 : right);
+    w->counts[i] = (real)((left >= 0) + (own >= 0) + (right >= 0));
+}
+
 static void sum_rows(const Sweep *w) {
     for (int y = 0; y < w->height; y++) {
-        const size_t first = (size_t)y * (size_t)w->width;
-        for (int x = 0; x < w->width; x++) {
-            real sum = 0;
-            int count = 0;
-            for (int i = x > 0 ? x - 1 : 0; i <= x + 1 && i < w->width; i++) {
-                const real c = w->single[first + (size_t)i];
-                sum += c >= 0 ? c : 0;
-                count += c >= 0;
-            }
-            w->rows[first + (size_t)x] = sum;
-            w->counts[first + (size_t)x] = (unsigned char)count;
-        }
+        const size_t first = (size_t)y * (size_t)w->width, last = first + (size_t)w->width - 1;
+        add_three(w, first, -1, w->width > 1 ? w->single[first + 1] : -1);
+        for (size_t i = first + 1; i < last; i++) add_three(w, i, w->single[i - 1], w->single[i + 1]);
+        if (last > first) add_three(w, last, w->single[last - 1], -1);
     }
 }
 
-// Mean over 3 x 3 pixels; -1 where the pixel itself is unseen.
-static real window_mean(const Sweep *w, size_t i) {
-    const size_t width = (size_t)w->width, y = i / width;
-    if (w->single[i] < 0) return -1;
-    real sum = w->rows[i];
-    int count = w->counts[i];
-    if (y > 0) sum += w->rows[i - width], count += w->counts[i - width];
-    if (y + 1 < (size_t)w->height) sum += w->rows[i + width], count += w->counts[i + width];
-    return sum / (real)count;
+// Keeps the means over 3 x 3 pixels of a row, of pixels that are seen, if they are among the least.
+static void keep_least(const Sweep *w, int y) {
+    const size_t width = (size_t)w->width, first = (size_t)y * width, area = width * (size_t)w->height;
+    const size_t above = y > 0 ? width : 0, below = y + 1 < w->height ? width : 0;
+    const real over = above > 0, under = below > 0;
+    real *restrict least = w->least + first, *restrict second = w->least + area + first;
+    const real *sum = w->sums + first, *count = w->counts + first, *single = w->single + first;
+    for (size_t x = 0; x < width; x++) {
+        const real total = sum[x] + over * sum[x - above] + under * sum[x + below];
+        const real seen = count[x] + over * count[x - above] + under * count[x + below];
+        const real mean = single[x] < 0 ? UNSEEN : total / seen;
+        const real more = mean < least[x] ? least[x] : mean;
+        second[x] = more < second[x] ? more : second[x];
+        least[x] = mean < least[x] ? mean : least[x];
+    }
 }
 
-// least [foreground, ALIKE]: the least costs of the plane so far, ascending; 2 where there are fewer.
-static void add_neighbour(const Sweep *w, int n, int plane, real *least) {
-    const FfpForeground *foreground = w->foreground;
-    const real at = w->planes->first + (real)plane * w->planes->step;
-    const FfpStereoPlane seen = plane_seen(w, n, at);
+static void add_neighbour(const Sweep *w, int n, int plane) {
+    const FfpStereoPlane seen = plane_seen(w, n, w->planes->first + (real)plane * w->planes->step);
     ffp_stereo_plane(w->single, &seen);
     sum_rows(w);
-    for (size_t slot = 0; slot < foreground->count; slot++) {
-        const real cost = window_mean(w, foreground->pixel[slot]);
-        real *here = least + ALIKE * slot;
-        if (cost < 0 || cost >= here[1]) continue;
-        here[1] = cost < here[0] ? here[0] : cost;
-        here[0] = cost < here[0] ? cost : here[0];
-    }
+    for (int y = 0; y < w->height; y++) keep_least(w, y);
 }
 
-static void add_plane(real *cost, const Sweep *w, int plane, real share, real *least) {
-    const size_t count = w->foreground->count;
-    for (size_t i = 0; i < ALIKE * count; i++) least[i] = 2;
-    for (int n = 0; n < w->neighbours.count; n++) add_neighbour(w, n, plane, least);
-    for (size_t slot = 0; slot < count; slot++) {
-        const real first = least[ALIKE * slot], second = least[ALIKE * slot + 1];
+static void add_plane(real *cost, const Sweep *w, int plane, real share) {
+    const FfpForeground *foreground = w->foreground;
+    const size_t area = (size_t)w->width * (size_t)w->height;
+    for (size_t i = 0; i < ALIKE * area; i++) w->least[i] = UNSEEN;
+    for (int n = 0; n < w->neighbours.count; n++) add_neighbour(w, n, plane);
+    for (size_t slot = 0; slot < foreground->count; slot++) {
+        const real *least = w->least + foreground->pixel[slot], first = least[0], second = least[area];
         const real mean = first > 1 ? UNKNOWN : second > 1 ? first : (first + second) / 2;
         cost[slot * (size_t)w->planes->count + (size_t)plane] += share * mean;
     }
@@ -200,8 +197,8 @@ void ffp_stereo_costs(real *cost, const FfpStereo *stereo, int view, const FfpFo
                ffp_alloc(NEIGHBOURS * 6 * (foreground->count + 1), sizeof *w.lines),
                ffp_alloc(area, sizeof(real)),
                ffp_alloc(area, sizeof(real)),
-               ffp_alloc(area, 1)};
-    real *least = ffp_alloc(ALIKE * (foreground->count + 1), sizeof *least);
+               ffp_alloc(area, sizeof(real)),
+               ffp_alloc(ALIKE * area, sizeof(real))};
     for (size_t i = 0; i < area; i++) w.single[i] = -1;
     for (int n = 0; n < w.neighbours.count; n++)
         for (size_t slot = 0; slot < foreground->count; slot++) {
@@ -214,12 +211,12 @@ void ffp_stereo_costs(real *cost, const FfpStereo *stereo, int view, const FfpFo
                 w.lines[(6 * (size_t)n + k) * foreground->count + slot] = numbers[k];
         }
     for (int plane = 0; plane < planes->count && w.neighbours.count > 0; plane++) {
-        add_plane(cost, &w, plane, share, least);
+        add_plane(cost, &w, plane, share);
         ffp_cancel_point();
     }
-    ffp_free(least);
+    ffp_free(w.least);
     ffp_free(w.lines);
     ffp_free(w.single);
-    ffp_free(w.rows);
+    ffp_free(w.sums);
     ffp_free(w.counts);
 }

@@ -4,6 +4,23 @@
 enum { RUN = 256 };
 #define UNLIKE 0.1F // difference of an encoded channel beyond which it tells no more
 
+typedef __typeof__((FfpStereoCell){0} < 0) Mask;
+
+// `a` where the mask is set, and `b` elsewhere.
+static inline FfpStereoCell pick(Mask mask, FfpStereoCell a, FfpStereoCell b) {
+    return (FfpStereoCell)(((Mask)a & mask) | ((Mask)b & ~mask));
+}
+
+static inline real sum_of(FfpStereoCell x) {
+    typedef real Half __attribute__((vector_size(FFP_STEREO_CHANNELS / 2 * sizeof(real))));
+    const union {
+        FfpStereoCell whole;
+        Half half[2];
+    } parts = {x};
+    const Half four = parts.half[0] + parts.half[1];
+    return (four[0] + four[2]) + (four[1] + four[3]);
+}
+
 // Positions in the neighbour, -1 where the point is not in front of it.
 static void positions(real *restrict u, real *restrict v, const FfpStereoPlane *p, size_t first, int count) {
     const real *restrict l[6];
@@ -26,14 +43,8 @@ static real difference(const FfpStereoPlane *p, size_t own, real u, real v) {
     const FfpStereoCell left = above[0] + b * (below[0] - above[0]),
                         right = above[1] + b * (below[1] - above[1]);
     const FfpStereoCell off = p->own[own] - (left + a * (right - left));
-    real part[FFP_STEREO_CHANNELS];
-    for (int c = 0; c < FFP_STEREO_CHANNELS; c++) {
-        const real size = off[c] < 0 ? -off[c] : off[c];
-        part[c] = p->weight[c] * (size < UNLIKE ? size : UNLIKE);
-    }
-    for (int half = FFP_STEREO_CHANNELS / 2; half > 0; half /= 2)
-        for (int c = 0; c < half; c++) part[c] += part[c + half];
-    return part[0] / UNLIKE;
+    const FfpStereoCell size = pick(off < 0, -off, off), most = (FfpStereoCell){0} + UNLIKE;
+    return sum_of(p->weight * pick(size < most, size, most)) / UNLIKE;
 }
 
 void FFP_K(stereo_plane)(real *single, const FfpStereoPlane *p) {
