@@ -163,7 +163,9 @@ typedef struct Layout {
     const Plane *planes;
     int count;
     const real *filled, *lit;
-    const real *before; // [views,h,w]: depths of the round before; NULL in the first
+    FfpForeground *foreground; // [views]
+    real **evidence;           // [views] of [pixels of the foreground, labels]: costs without votes
+    const real *before;        // [views,h,w]: depths of the round before; NULL in the first
     real *depth;
 } Layout;
 
@@ -206,7 +208,6 @@ static real votes(const Layout *l, const FfpUnlitRay *ray, real z) {
     const FfpDepths *depths = l->scene->depths;
     const FfpAsked *asked = &l->scene->support_views.asked[ray->view];
     int past = 0, agree = 0;
-    if (!l->before) return 0;
     for (int k = 0; k < asked->count; k++) {
         const int other = asked->view[k];
         real u = -1, v = -1;
@@ -232,15 +233,14 @@ static real burial(const Layout *l, const FfpView *view, size_t pixel, real z) {
     return 0;
 }
 
-// Cost of a pixel without a trusted depth to lie on plane k, at depth z.
+// Cost of a pixel without a trusted depth to lie on plane k, at depth z, without votes.
 static real plane_cost(const Layout *l, int k, const FfpUnlitRay *ray, size_t pixel, real z) {
     const FfpView *view = &l->scene->depths->capture->views[ray->view];
     if (!(z > 0)) return OUTSIDE;
     const real seen = ffp_unlit_cost(l->scene, ray, z);
     const bool unknown = seen == FFP_UNLIT_UNKNOWN;
     const real cost = unknown && l->planes[k].wall ? UNSEEN_WALL : seen;
-    return cost + (unknown ? UNSEEN : 1) * plane_prior(l, k, view, pixel, z) + VOTES * votes(l, ray, z) +
-           burial(l, view, pixel, z);
+    return cost + (unknown ? UNSEEN : 1) * plane_prior(l, k, view, pixel, z) + burial(l, view, pixel, z);
 }
 
 // Cost of its filled depth. Of an unlit pixel that was found by chance, so that it is no better than unknown.
@@ -249,7 +249,7 @@ static real filled_cost(const Layout *l, const FfpUnlitRay *ray, size_t i) {
     return l->lit[i] >= FFP_LIT_MIN ? cost : fmax(cost, FFP_UNLIT_UNKNOWN);
 }
 
-// Costs of a pixel's labels: the planes, and none of them last.
+// Costs of a pixel's labels without votes: the planes, and none of them last.
 static void label_costs(real *cost, const Layout *l, int view, size_t pixel, FfpLine *lines) {
     const FfpDepths *depths = l->scene->depths;
     const FfpView *self = &depths->capture->views[view];
@@ -264,35 +264,96 @@ static void label_costs(real *cost, const Layout *l, int view, size_t pixel, Ffp
     cost[l->count] = ODD + (trusted ? 0 : filled_cost(l, &ray, i) + burial(l, self, pixel, l->filled[i]));
 }
 
-static void label_view(void *argument, int64_t index) {
+static void gather_evidence(void *argument, int64_t view) {
     const Layout *l = argument;
-    const FfpDepths *depths = l->scene->depths;
-    const int view = (int)index;
-    const size_t first = (size_t)view * (size_t)depths->width * (size_t)depths->height;
-    const FfpView *self = &depths->capture->views[view];
-    const int labels = l->count + 1;
-    FfpForeground foreground = ffp_foreground_new(&self->coverage);
-    const size_t cells = foreground.count * (size_t)labels;
-    real *cost = ffp_alloc(cells, sizeof(real)), *total = ffp_alloc(cells, sizeof(real));
-    FfpLine *lines = ffp_alloc(2 * (size_t)depths->capture->n_views, sizeof *lines);
+    const FfpCapture *capture = l->scene->depths->capture;
+    const FfpForeground foreground = ffp_foreground_new(&capture->views[view].coverage);
+    const size_t labels = (size_t)l->count + 1;
+    real *cost = ffp_alloc(foreground.count * labels, sizeof *cost);
+    FfpLine *lines = ffp_alloc(2 * (size_t)capture->n_views, sizeof *lines);
     for (size_t slot = 0; slot < foreground.count; slot++)
-        label_costs(cost + slot * (size_t)labels, l, view, foreground.pixel[slot], lines);
-    ffp_labels_total(total, cost, &foreground, labels, l->scene->encoded + 3 * first);
-    for (size_t slot = 0; slot < foreground.count; slot++) {
-        const size_t i = first + foreground.pixel[slot];
-        const real *here = total + slot * (size_t)labels;
+        label_costs(cost + slot * labels, l, (int)view, foreground.pixel[slot], lines);
+    ffp_free(lines);
+    l->foreground[view] = foreground;
+    l->evidence[view] = cost;
+    ffp_cancel_point();
+}
+
+// Adds the votes on the planes to a view's costs.
+static void count_votes(real *cost, const Layout *l, int view) {
+    const FfpDepths *depths = l->scene->depths;
+    const FfpForeground *foreground = &l->foreground[view];
+    const size_t first = (size_t)view * (size_t)depths->width * (size_t)depths->height;
+    FfpLine *lines = ffp_alloc(2 * (size_t)depths->capture->n_views, sizeof *lines);
+    for (size_t slot = 0; slot < foreground->count; slot++) {
+        const size_t pixel = foreground->pixel[slot];
+        if (depths->trust[first + pixel] > 0) continue;
+        const FfpUnlitRay ray = ffp_unlit_ray(l->scene, view, pixel, lines);
+        for (int k = 0; k < l->count; k++) {
+            const real z = depth_on(&l->planes[k], &depths->capture->views[view], pixel);
+            if (z > 0) cost[slot * ((size_t)l->count + 1) + (size_t)k] += VOTES * votes(l, &ray, z);
+        }
+    }
+    ffp_free(lines);
+}
+
+static void choose_depths(const Layout *l, int view, const real *total) {
+    const FfpDepths *depths = l->scene->depths;
+    const FfpForeground *foreground = &l->foreground[view];
+    const size_t first = (size_t)view * (size_t)depths->width * (size_t)depths->height;
+    for (size_t slot = 0; slot < foreground->count; slot++) {
+        const size_t pixel = foreground->pixel[slot], i = first + pixel;
+        const real *here = total + slot * ((size_t)l->count + 1);
         int best = l->count;
         if (depths->trust[i] > 0) continue;
         for (int k = 0; k < l->count; k++)
             if (here[k] < here[best]) best = k;
-        const real z = best < l->count ? depth_on(&l->planes[best], self, foreground.pixel[slot]) : 0;
+        const FfpView *self = &depths->capture->views[view];
+        const real z = best < l->count ? depth_on(&l->planes[best], self, pixel) : 0;
         l->depth[i] = z > 0 ? z : l->filled[i];
     }
-    ffp_free(lines);
+}
+
+static void label_view(void *argument, int64_t index) {
+    const Layout *l = argument;
+    const FfpDepths *depths = l->scene->depths;
+    const int view = (int)index, labels = l->count + 1;
+    const size_t first = (size_t)view * (size_t)depths->width * (size_t)depths->height,
+                 cells = l->foreground[view].count * (size_t)labels;
+    real *total = ffp_alloc(cells, sizeof(real)), *voted = NULL;
+    if (l->before) {
+        voted = ffp_alloc(cells, sizeof(real));
+        memcpy(voted, l->evidence[view], cells * sizeof(real));
+        count_votes(voted, l, view);
+    }
+    ffp_labels_total(total, voted ? voted : l->evidence[view], &l->foreground[view], labels,
+                     l->scene->encoded + 3 * first);
+    choose_depths(l, view, total);
+    ffp_free(voted);
     ffp_free(total);
-    ffp_free(cost);
-    ffp_foreground_free(&foreground);
     ffp_cancel_point();
+}
+
+static void label_views(Layout *l, int rounds) {
+    const FfpDepths *depths = l->scene->depths;
+    const int views = depths->capture->n_views;
+    const size_t count = (size_t)depths->width * (size_t)depths->height * (size_t)views;
+    real *before = ffp_alloc(count, sizeof(real));
+    l->foreground = ffp_alloc((size_t)views, sizeof *l->foreground);
+    l->evidence = ffp_alloc((size_t)views, sizeof *l->evidence);
+    ffp_parallel_for(views, 0, gather_evidence, l);
+    for (int round = 0; round < rounds; round++) {
+        memcpy(before, l->depth, count * sizeof(real));
+        l->before = round > 0 ? before : NULL;
+        ffp_parallel_for(views, 0, label_view, l);
+    }
+    for (int v = 0; v < views; v++) {
+        ffp_free(l->evidence[v]);
+        ffp_foreground_free(&l->foreground[v]);
+    }
+    ffp_free(l->evidence);
+    ffp_free(l->foreground);
+    ffp_free(before);
 }
 
 void ffp_layout_depths(real *depth, const FfpDepths *depths, const real *normals, const real *filled,
@@ -308,13 +369,8 @@ void ffp_layout_depths(real *depth, const FfpDepths *depths, const real *normals
     ffp_free(points);
     if (found == 0) return;
     FfpUnlit scene = ffp_unlit_new(depths);
-    real *before = ffp_alloc(count, sizeof(real));
-    const int rounds = several ? ROUNDS : 1;
-    for (int round = 0; round < rounds; round++) {
-        memcpy(before, depth, count * sizeof(real));
-        ffp_parallel_for(depths->capture->n_views, 0, label_view,
-                         &(Layout){&scene, planes, found, filled, lit, round > 0 ? before : NULL, depth});
-    }
-    ffp_free(before);
+    Layout layout = {
+        .scene = &scene, .planes = planes, .count = found, .filled = filled, .lit = lit, .depth = depth};
+    label_views(&layout, several ? ROUNDS : 1);
     ffp_unlit_free(&scene);
 }
