@@ -4,16 +4,17 @@
 //
 // Every function that can fail returns false, NULL or, where it counts something, -1, and writes
 // "WHAT (WHERE)" to the FfpError passed to it (which may be NULL). Passing NULL to one for a required
-// argument (a handle, the options, an output file) fails with FFP_ERROR_ARGUMENT, which names it; functions
-// without an FfpError, such as ffp_capture_views, must not be given NULL handles. Functions that take long,
-// log or allocate much take an FfpContext first (NULL: silent, all processors, no GPU). Structs of options
-// begin with their size in the program, which their defaults set: options that a later library added have
-// their defaults, and a struct without a size or of a later version fails with FFP_ERROR_ARGUMENT. Handles
-// are freed by their *_close functions, a context by ffp_context_free; all accept NULL. Handles share no
-// state. Captures, models, fields and Gaussians may be used by several threads at a time as long as none of
-// them changes or closes the handle: calls that take it as const only read it. A renderer belongs to one
-// thread at a time. Files are written under a temporary name and then renamed, so an old file stays intact
-// until the new one is complete. Numbers in files and texts use a decimal point regardless of setlocale().
+// argument (a handle, the options, an output file) fails with FFP_ERROR_ARGUMENT, and the text names it;
+// functions without an FfpError, such as ffp_capture_views, must not be given NULL where they do not say that
+// they may. Statistics and other results of a failed call are undefined. Functions that take long, log or
+// allocate much take an FfpContext first (NULL: silent, all processors, no GPU). Structs of options begin
+// with their size in the program, which their defaults set: options that a later library added have their
+// defaults, and a struct without a size or of a later version fails with FFP_ERROR_ARGUMENT. Handles are
+// freed by their *_close functions, a context by ffp_context_free; all accept NULL. Handles share no state.
+// Captures, models, fields and Gaussians may be used by several threads at a time as long as none of them
+// changes or closes the handle: calls that take it as const only read it. A renderer belongs to one thread at
+// a time. Files are written under a temporary name and then renamed, so an old file stays intact until the
+// new one is complete. Numbers in files and texts use a decimal point regardless of setlocale().
 #ifndef FFPROCAMS_H
 #define FFPROCAMS_H
 

@@ -33,9 +33,10 @@ typedef enum FfpRead {
 typedef struct FfpOpening {
     size_t size; // set by ffp_opening_defaults
     FfpRead photographs;
-    const char *const *patterns; // of FFP_READ_WANTED, as in FfpReconstruction
-    int n_patterns;              // 0: the first
-    bool sphere; // of FFP_READ_NONE: an orbit, a mesh, the page and compensation need the sphere
+    // Of FFP_READ_WANTED, as in FfpReconstruction, which tells of unknown ones: opening ignores them.
+    const char *const *patterns;
+    int n_patterns; // 0: the first
+    bool sphere;    // of FFP_READ_NONE: an orbit, a mesh, the page and compensation need the sphere
 } FfpOpening;
 FFP_DEFAULTS(FfpOpening, ffp_opening_defaults) // all photographs
 // Reads a folder with scene.json or render_poses.json, or such a file, and checks all of its contents.
@@ -44,7 +45,7 @@ FFP_API FfpCapture *ffp_capture_open(FfpContext *context, const char *path, cons
                                      FfpError *err);
 // Looks for what is wrong with a capture, and returns what it found (release with ffp_free), *count findings,
 // those that are ok among them, as `info` lists them, and those for which a reconstruction would be refused.
-// NULL on failure.
+// Their texts are part of the same block. NULL on failure.
 FFP_API FfpFinding *ffp_capture_check(FfpContext *context, const FfpCapture *capture, int *count,
                                       FfpError *err);
 FFP_API void ffp_capture_close(FfpCapture *capture);
@@ -130,7 +131,8 @@ FFP_API bool ffp_capture_view_devices(const FfpCapture *capture, int view, FfpPi
 FFP_API FfpPicture ffp_capture_picture(const FfpCapture *capture, int view, int pattern);
 // The object's share of each pixel: one channel, from 0 to 1, likewise.
 FFP_API FfpPicture ffp_capture_coverage(const FfpCapture *capture, int view);
-// As in FfpCaptureData, given or estimated.
+// As in FfpCaptureData, given or estimated; radius 0: not known, as after FFP_READ_NONE. `centre` and
+// `radius` may be NULL.
 FFP_API void ffp_capture_intensity(const FfpCapture *capture, double intensity[3]);
 FFP_API void ffp_capture_bounds(const FfpCapture *capture, double centre[3], double *radius);
 

@@ -71,8 +71,8 @@ typedef struct FfpContextSettings {
     // with FFP_ERROR_CANCELLED unless documented otherwise. NULL: no progress. The pointers passed to it are
     // valid until it returns.
     bool (*progress)(void *user, const FfpProgress *progress);
-    double interval_s; // minimum between calls of progress; 0: call it at every cancellation point
-    int threads;       // number to use; 0: OpenMP's default (all processors, or OMP_NUM_THREADS)
+    double interval_s; // 0 or more: minimum between calls of progress; 0: call it at every cancellation point
+    int threads;       // number to use, up to 4096; 0: OpenMP's default (all processors, or OMP_NUM_THREADS)
     FfpDeviceKind device;
     const FfpRanks *ranks; // must outlive the context; NULL: a single process
     // Where calls get the memory of their work and results: `bytes`, a multiple of `alignment`, aligned to

@@ -11,7 +11,7 @@ extern "C" {
 typedef enum FfpErrorCode {
     FFP_OK,
     FFP_ERROR_ARGUMENT,    // by the caller: a value out of range, an unknown name, a missing option
-    FFP_ERROR_FILE,        // an input file has invalid or missing content
+    FFP_ERROR_FILE,        // an input has invalid or missing content, or a new folder has any
     FFP_ERROR_UNSUPPORTED, // valid, but not supported by this library, build or machine
     FFP_ERROR_MEMORY,      // not enough memory
     FFP_ERROR_CANCELLED,   // by the progress callback
@@ -20,9 +20,11 @@ typedef enum FfpErrorCode {
 } FfpErrorCode;
 
 typedef struct FfpError {
-    char text[768]; // "WHAT (WHERE)", where WHERE is a file, "FILE: FIELD", or empty; "" on success
+    // "WHAT (WHERE)", where WHERE is a file, "FILE: FIELD", a capture's name or an argument, or just "WHAT";
+    // "" on success.
+    char text[768];
     FfpErrorCode code;
-    const char *finding; // code of the finding (findings.h) that it tells of; NULL: of none
+    const char *finding; // the code of the finding (findings.h) behind it, a constant; NULL: there is none
 } FfpError;
 
 #ifdef __cplusplus

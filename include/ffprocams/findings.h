@@ -21,17 +21,18 @@ typedef struct FfpFinding {
     const char *code; // "pattern-mirrored": tells findings apart, and does not change
     FfpSeverity severity;
     const char *view, *other; // ids of the views (or names of the folders) it is about; NULL: of none
-    double figure, limit;     // what was measured, and where doubts begin; NAN: it has none
-    const char *subject;      // what was looked at, in a word or two: "silhouettes"
-    const char *text;         // what was seen
-    const char *advice;       // what to do; NULL: nothing can be advised
-    const char *setting;      // option of the call that may help, by its name: "force"; with words for its
-                              // value: "fix=camera.k3 projector.p"; or NULL
+    // The measured number, and that from which on it is in doubt, above or below as the text says; NAN: none.
+    double figure, limit;
+    const char *subject; // what was looked at, in a word or two: "silhouettes"
+    const char *text;    // what was seen
+    const char *advice;  // what to do; NULL: nothing can be advised
+    const char *setting; // option of the call that may help, by its name: "force"; with words for its
+                         // value: "fix=camera.k3 projector.p"; or NULL
 } FfpFinding;
 
 // A finding as a line of JSON, {"code", "severity" ("ok", "note", "doubt" or "fault"), "subject", "text"} and
 // those of "view", "other", "figure", "limit", "advice" and "setting" that it has; to be released with
-// ffp_free. NULL: there is no memory.
+// ffp_free. NULL: there is no memory, or no such severity.
 FFP_API char *ffp_finding_json(const FfpFinding *finding);
 
 #ifdef __cplusplus

@@ -18,10 +18,11 @@ typedef struct FfpRenderBatch {
     // Checked as by ffp_gaussians_from_arrays, but rotations may have any length other than 0. Not copied:
     // the arrays must stay unchanged until the last ffp_renderer_backward for this drawing.
     FfpGaussianArrays gaussians;
-    int n_views;
+    int n_views;                            // 1 to 65536
     const FfpPinhole *cameras, *projectors; // [n_views]; all cameras of one size, all projectors of one size
-    int n_patterns;                         // may be 0, for maps alone
-    const FfpPicture *patterns;             // [n_patterns] of the projectors' size; data NULL: dark
+    int n_patterns;                         // up to 4096; 0: for maps alone
+    // [n_patterns] of the projectors' size; data NULL: dark. Floats may be of any size and sign.
+    const FfpPicture *patterns;
     bool same_patterns; // those of the renderer's last ffp_renderer_forward; `patterns` is ignored
     double intensity[3];
     bool linear;    // pictures are linear radiance over black, not clipped; otherwise sRGB-encoded in [0,1]
@@ -29,7 +30,8 @@ typedef struct FfpRenderBatch {
 } FfpRenderBatch;
 // Draws pictures [n_views,n_patterns,height,width,3], `count` numbers (0 without patterns), and the first
 // `n_maps` of the maps [n_views,height,width,channels], indexed by FfpMap, where not NULL, F32. The view of
-// ffp_renderer_aim is unaffected. If the call fails, the contents of pictures and maps are undefined.
+// ffp_renderer_aim is unaffected. If the call fails, the contents of pictures and maps are undefined, and
+// there is no drawing for ffp_renderer_backward.
 FFP_API bool ffp_renderer_forward(FfpContext *context, FfpRenderer *renderer, const FfpRenderBatch *batch,
                                   float *pictures, size_t count, float *const *maps, int n_maps,
                                   FfpError *err);
@@ -39,14 +41,16 @@ FFP_API bool ffp_renderer_forward(FfpContext *context, FfpRenderer *renderer, co
 // pose at xi = 0 (se(3), perturbed from the left): translation x y z (world units), rotation x y z (radians).
 typedef struct FfpRenderGradients {
     FfpGaussianArrays gaussians;
-    float *patterns;                          // [n_patterns,height,width,3]; 0 where a pattern is dark
+    // [n_patterns,height,width,3] with respect to linear light, premultiplied by alpha, whatever the pixels'
+    // type and channels; 0 where a pattern is dark.
+    float *patterns;
     double *intensity;                        // [3]
     double *cameras, *projectors;             // [n_views,6]
     double *camera_focals, *projector_focals; // [n_views,2]: fx, fy
 } FfpRenderGradients;
 // From the gradients of the pictures and maps of the last ffp_renderer_forward (which must have announced
-// them; arrays of the same shapes and numbers, NULL where there are none) to those of everything that was
-// drawn from. May be called again.
+// them; arrays of the shapes that it fills, NULL where there are none, maps that it was not asked for among
+// them) to those of everything that was drawn from. May be called again.
 //
 // Constants of the backward pass: how much light a point gets past what stands in its way (shadows), and
 // whether it is inside the pattern; the size of a pixel's footprint in the pattern; the order of the splats,
@@ -80,7 +84,7 @@ FFP_API FfpWeights ffp_model_weights(FfpModel *model, int number); // all 0: no 
 // its training is kept.
 FFP_API bool ffp_model_save(FfpContext *context, const FfpModel *model, const char *path, bool exact,
                             FfpError *err);
-// The contents of that file, `size` bytes (release with ffp_free); NULL on failure.
+// The contents of that file, *size bytes (required; release with ffp_free); NULL on failure.
 FFP_API void *ffp_model_bytes(FfpContext *context, const FfpModel *model, bool exact, size_t *size,
                               FfpError *err);
 
@@ -135,8 +139,9 @@ typedef struct FfpPictureLoss {
     const float *pictures;    // [count,height,width,3] in [0,1]
     const float *targets;     // likewise
     double l1, ssim;          // weights
-    float *gradients;         // [count,height,width,3] with respect to `pictures`, replaced; NULL: not wanted
-    double perceptual;        // weight; 0: none
+    // [count,height,width,3] with respect to `pictures`, replaced, memory of its own; NULL: not wanted.
+    float *gradients;
+    double perceptual;            // weight; 0: none
     const FfpPerceptual *network; // of pictures of at least 31 x 31 (AlexNet), 17 x 17 or 2 x 2 pixels
 } FfpPictureLoss;
 FFP_API bool ffp_picture_loss(FfpContext *context, const FfpPictureLoss *pictures, double *loss,

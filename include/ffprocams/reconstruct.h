@@ -107,6 +107,7 @@ FFP_API FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *cap
 // and .splat, which have no other mark). NULL: the file at `path`.
 FFP_API FfpGaussians *ffp_gaussians_open(FfpContext *context, const char *path, const FfpBytes *contents,
                                          FfpError *err);
+// A PLY of relightable Gaussians, whatever the path ends with; ffp_export (render.h) writes other formats.
 FFP_API bool ffp_gaussians_save(FfpContext *context, const FfpGaussians *gaussians, const char *path,
                                 FfpError *err);
 // The contents of the file that ffp_gaussians_save would write, `size` bytes (release with ffp_free); NULL on
@@ -131,7 +132,7 @@ FFP_API void ffp_gaussians_close(FfpGaussians *gaussians);
 // The parameters, one row per Gaussian. The library owns the arrays, which may be written to and are valid
 // until the Gaussians are closed, refined or replaced. Calls that use the Gaussians check what was written:
 // numbers that are not finite, opacities outside [0,1], scales of 0 and rotations of 0 are errors that name
-// array and row.
+// array and row; the other ranges are the caller's to keep.
 typedef struct FfpGaussianArrays {
     int64_t count;
     float *centre;    // [count,3] world
@@ -143,8 +144,9 @@ typedef struct FfpGaussianArrays {
     float *ambient;   // [count,3] linear radiance with the projector black
 } FfpGaussianArrays;
 FFP_API FfpGaussianArrays ffp_gaussians_arrays(FfpGaussians *gaussians);
-// Copies the caller's arrays and checks them (finite, in range), normalising rotations. Errors name array and
-// row.
+// Copies the caller's arrays, normalising rotations, and checks them: 1 to 50,000,000 rows, finite, centres
+// within 1e9, scales from 1e-20 to 1e9, colours from 0 to 1e6, opacity and roughness in [0,1], rotations
+// within 1000. Errors name array and row.
 FFP_API FfpGaussians *ffp_gaussians_from_arrays(FfpContext *context, const FfpGaussianArrays *arrays,
                                                 FfpError *err);
 
@@ -156,7 +158,7 @@ typedef struct FfpRefinement {
     const char *const *patterns;
     int n_patterns;
     int64_t steps;  // of one view each; 0: no limit
-    double limit_s; // of wall clock; 0: no limit. With neither limit: 30 s
+    double limit_s; // of wall clock; 0: no limit. With neither limit: FFP_REFINE_SECONDS
     double noise;   // as FfpReconstruction.noise
     uint64_t seed;  // for the order of views
     // File for one line of JSON per round of all views (step, seconds, loss, psnr, gaussians), or NULL.
@@ -165,7 +167,8 @@ typedef struct FfpRefinement {
     bool force; // as FfpReconstruction.force
 } FfpRefinement;
 
-FFP_DEFAULTS(FfpRefinement, ffp_refinement_defaults) // 30 seconds, noise estimated
+#define FFP_REFINE_SECONDS 30
+FFP_DEFAULTS(FfpRefinement, ffp_refinement_defaults) // neither limit, noise estimated
 
 typedef struct FfpRefinementStats {
     double psnr_before, psnr_after; // dB over the fitted pictures
@@ -176,8 +179,9 @@ typedef struct FfpRefinementStats {
 } FfpRefinementStats;
 
 // Fits the Gaussians to the capture's pictures, keeping them close to where they started; on failure they are
-// unchanged. `stats` may be NULL. Cancelling a fit is not a failure (`stopped`). If only the number of steps
-// is limited, the same seed and number of threads give identical bits.
+// unchanged. `stats` may be NULL. Cancelling a fit is not a failure (`stopped`), unless it has not begun:
+// then it is FFP_ERROR_CANCELLED. If only the number of steps is limited, the same seed and number of threads
+// give identical bits.
 FFP_API bool ffp_refine_gaussians(FfpContext *context, FfpGaussians *gaussians, const FfpCapture *capture,
                                   const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err);
 

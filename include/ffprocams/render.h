@@ -23,10 +23,11 @@ FFP_API void ffp_renderer_close(FfpRenderer *renderer);
 // afterwards. Each side may have 1 to 16384 pixels.
 FFP_API bool ffp_renderer_aim(FfpContext *context, FfpRenderer *renderer, const FfpGaussians *gaussians,
                               const FfpPinhole *camera, const FfpPinhole *projector, FfpError *err);
-// The camera's picture of the object over black under `pattern` (of the projector's size; data NULL: a dark
-// projector), for a projector of the given radiant intensity (as in FfpCaptureData). out [height,width,3],
-// sRGB-encoded: U8 rounded as in files, F32 in [0,1]; or RADIANCE, linear and not clipped, premultiplied by
-// opacity. `size` bytes are out's; `row_bytes` 0: rows are contiguous.
+// The camera's picture of the object over black under `pattern` (of the projector's size; NULL, or its data
+// NULL: a dark projector), for a projector of the given radiant intensity (as in FfpCaptureData). out
+// [height,width,3], sRGB-encoded: U8 rounded as in files, F32 in [0,1]; or RADIANCE, linear and not clipped,
+// premultiplied by opacity. `size` bytes are out's; `row_bytes` (of floats, whole numbers of them) 0: rows
+// are contiguous. Pictures are written to files by ffp_render_pictures, or by any image library from U8.
 FFP_API bool ffp_renderer_shade(FfpContext *context, FfpRenderer *renderer, const FfpPicture *pattern,
                                 const double intensity[3], void *out, size_t size, FfpPixelType type,
                                 size_t row_bytes, FfpError *err);
@@ -114,7 +115,7 @@ typedef struct FfpNamedImage {
     const float *data; // [height,width,channels], the library's, valid until the images are closed
 } FfpNamedImage;
 FFP_API int ffp_images_count(const FfpImages *images);
-// An index out of range or an unknown name gives an image whose name is NULL.
+// An index out of range, and a name that is unknown or NULL, give an image whose name is NULL.
 FFP_API FfpNamedImage ffp_images_at(const FfpImages *images, int index);
 FFP_API FfpNamedImage ffp_images_find(const FfpImages *images, const char *name);
 FFP_API void ffp_images_close(FfpImages *images);
@@ -150,7 +151,7 @@ typedef struct FfpCompensation {
     const char *const *views;
     int n_views;
     const char *const *targets; // image files in the cameras' frames: one for all views, or one for each
-    const FfpPicture *pictures; // or targets from memory, in the same number
+    const FfpPicture *pictures; // or, with `targets` NULL, pictures in memory, in the same number
     int n_targets;
     FfpFraming framing;    // of targets in the cameras' frames
     bool transparent_free; // transparent parts of a target are unconstrained; otherwise they are black
@@ -223,11 +224,13 @@ typedef struct FfpMapStats { // of one view
     double within_half, median, most;
     double lit_share; // share of the projector's pixels that fall on the object
 } FfpMapStats;
-enum { FFP_MAP_STATS = 512 }; // the maximum number of views
+enum { FFP_VIEWS_MAX = 512 }; // of a capture or a file of poses
 
 // Correspondences and projected light for one camera and one projector: linear images named like the files
-// (docs/reference/formats/pictures.md): camera_to_projector, projector_to_camera, projector_sees, lit,
-// incidence, density, resolution, illuminance. `stats` may be NULL.
+// (docs/reference/formats/pictures.md): camera_to_projector, projector_to_camera and projector_sees (3
+// channels), lit, incidence, density, resolution, illuminance (1), of the camera's size but for
+// projector_to_camera and projector_sees, which are of the projector's. `stats` may be NULL; its view is
+// "view".
 FFP_API FfpImages *ffp_map_images(FfpContext *context, const FfpGaussians *gaussians,
                                   const FfpCapture *capture, const FfpPinhole *camera,
                                   const FfpPinhole *projector, FfpDrawing drawing, FfpMapStats *stats,

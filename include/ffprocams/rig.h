@@ -280,8 +280,8 @@ typedef struct FfpAlignment {
 } FfpAlignment;
 FFP_DEFAULTS(FfpAlignment, ffp_alignment_defaults) // only poses
 // Corrects the poses of all cameras and projectors from the photographs, in place. Takes as long as about 75
-// projector matchings, or with Gaussians some 3 s of a
-// processor for a view of 256 x 256 pixels. `stats` may be NULL.
+// projector matchings, or with Gaussians some 3 s of a processor for a view of 256 x 256 pixels. `stats` may
+// be NULL.
 FFP_API bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const FfpAlignment *options,
                              FfpAlignmentStats *stats, FfpError *err);
 

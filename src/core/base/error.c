@@ -28,6 +28,11 @@ bool ffp_fail(FfpError *err, FfpErrorCode code, const char *where, const char *w
     return false;
 }
 
+bool ffp_check_choice(int value, int last, const char *name, FfpError *err) {
+    return (value >= 0 && value <= last) ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, name, "invalid value %d: expected 0 to %d", value, last);
+}
+
 FfpPlace ffp_place(const char *file, const char *field) {
     FfpPlace place;
     snprintf(place.text, sizeof place.text, "%.1023s: %.160s", file, field);

@@ -15,6 +15,10 @@ extern "C" {
 bool ffp_fail(FfpError *err, FfpErrorCode code, const char *where, const char *what_format, ...)
     __attribute__((format(printf, 4, 5)));
 
+// Fails unless `value` is one of an enum's, 0 to `last`: C lets a caller pass any number. `name`: of the
+// argument.
+bool ffp_check_choice(int value, int last, const char *name, FfpError *err);
+
 // "FILE: FIELD" for an error's WHERE, as ffp_place(file, field).text; very long names are truncated.
 typedef struct FfpPlace {
     char text[1200];

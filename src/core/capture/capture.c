@@ -68,12 +68,12 @@ static bool seen_by_any(const FfpCapture *capture, int pattern) {
 static int find_structured(const FfpCapture *capture, const char *name, FfpError *err) {
     const int found = ffp_capture_find_pattern(capture, name);
     if (found < 0) {
-        ffp_fail(err, FFP_ERROR_FILE, capture->name, "no pattern '%.96s' in this capture, which has %s", name,
-                 ffp_list_patterns(capture).text);
+        ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name, "no pattern '%.96s' in this capture, which has %s",
+                 name, ffp_list_patterns(capture).text);
         return -1;
     }
     if (found == capture->black || found == capture->white) {
-        ffp_fail(err, FFP_ERROR_FILE, capture->name,
+        ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name,
                  "pattern '%.96s' is uniform: it carries no depth information", name);
         return -1;
     }

@@ -6,8 +6,7 @@
 #define SAME_SHAPE 0.01
 
 bool ffp_framing_check(FfpFraming framing, FfpError *err) {
-    return (unsigned)framing <= FFP_FRAMING_PIXEL ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, "framing", "%d is none", (int)framing);
+    return ffp_check_choice((int)framing, FFP_FRAMING_PIXEL, "framing", err);
 }
 
 static bool same_shape(const FfpImage *image, int width, int height) {

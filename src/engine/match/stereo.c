@@ -101,15 +101,15 @@ static Neighbours find_neighbours(const FfpCapture *capture, int view) {
 // --- Costs. ---
 
 typedef struct Sweep {
+    Neighbours neighbours;
     const FfpStereo *stereo;
-    int view, width, height;
     const FfpForeground *foreground;
     const FfpPlanes *planes;
-    Neighbours neighbours;
     real *lines;         // [NEIGHBOURS, 6, foreground] FfpLine's numbers
     real *single;        // [h,w] cost of one plane and neighbour at each pixel; -1: unseen
     real *sums, *counts; // [h,w] of those seen of a row's three pixels around each
     real *least; // [ALIKE,h,w] the least means over 3 x 3 pixels, ascending; UNSEEN where there are fewer
+    int view, width, height;
 } Sweep;
 
 void ffp_stereo_plane(real *single, const FfpStereoPlane *plane) {
@@ -187,18 +187,18 @@ void ffp_stereo_costs(real *cost, const FfpStereo *stereo, int view, const FfpFo
                       const FfpPlanes *planes, real share) {
     const FfpCamera *camera = &stereo->capture->views[view].camera;
     const size_t width = (size_t)camera->width, area = width * (size_t)camera->height;
-    Sweep w = {stereo,
-               view,
-               camera->width,
-               camera->height,
-               foreground,
-               planes,
-               find_neighbours(stereo->capture, view),
-               ffp_alloc(NEIGHBOURS * 6 * (foreground->count + 1), sizeof *w.lines),
-               ffp_alloc(area, sizeof(real)),
-               ffp_alloc(area, sizeof(real)),
-               ffp_alloc(area, sizeof(real)),
-               ffp_alloc(ALIKE * area, sizeof(real))};
+    Sweep w = {.neighbours = find_neighbours(stereo->capture, view),
+               .stereo = stereo,
+               .foreground = foreground,
+               .planes = planes,
+               .lines = ffp_alloc(NEIGHBOURS * 6 * (foreground->count + 1), sizeof *w.lines),
+               .single = ffp_alloc(area, sizeof(real)),
+               .sums = ffp_alloc(area, sizeof(real)),
+               .counts = ffp_alloc(area, sizeof(real)),
+               .least = ffp_alloc(ALIKE * area, sizeof(real)),
+               .view = view,
+               .width = camera->width,
+               .height = camera->height};
     for (size_t i = 0; i < area; i++) w.single[i] = -1;
     for (int n = 0; n < w.neighbours.count; n++)
         for (size_t slot = 0; slot < foreground->count; slot++) {

@@ -25,7 +25,9 @@ void ffp_picture_job_free(FfpPictureJob *job) {
 }
 
 static bool check_sequence(const FfpPictures *options, FfpError *err) {
-    if (!ffp_framing_check(options->framing, err)) return false;
+    if (!ffp_framing_check(options->framing, err) ||
+        !ffp_check_choice((int)options->orbit, FFP_ORBIT_OBJECT, "orbit", err))
+        return false;
     if (!ffp_is_sequence(options)) return true;
     if (options->maps)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, options->folder,

@@ -6,8 +6,6 @@
 #include "core/gaussians/gaussians.h"
 #include "ffprocams.h" // options and results, types alone (reconstruct.h says why)
 
-#define FFP_REFINE_SECONDS 30 // where no limit is given
-
 // The work of ffp_refine_gaussians (ffprocams/reconstruct.h), on a copy: a failure leaves the Gaussians
 // unchanged, to the bit. `stats` may be NULL.
 bool ffp_refinement_run(FfpGaussians *gaussians, const FfpCapture *capture, const FfpRefinement *options,

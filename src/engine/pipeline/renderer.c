@@ -68,9 +68,9 @@ static bool check_out(const FfpPictureOut *out, size_t row, int height, FfpError
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "type",
                         "pictures are drawn as 8-bit or 32-bit float pixels");
     const size_t apart = out->row_bytes ? out->row_bytes : row;
-    if (apart < row)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "row_bytes", "rows of %zu bytes cannot hold %zu", apart,
-                        row);
+    if (apart < row || (out->type != FFP_PIXELS_U8 && apart % sizeof(float) != 0))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "row_bytes",
+                        "rows of %zu bytes do not hold %zu, in whole numbers", apart, row);
     return (out->size >= row && (out->size - row) / apart >= (size_t)height - 1) ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "size", "%zu bytes cannot hold %d rows of %zu", out->size,
                     height, apart);
@@ -119,9 +119,8 @@ bool ffp_renderer_relight(FfpRenderer *renderer, const FfpRaw *pattern, const do
 }
 
 bool ffp_renderer_values(FfpRenderer *renderer, FfpMap map, float *out, size_t count, FfpError *err) {
-    if (!check_aimed(renderer, err)) return false;
-    if ((unsigned)map >= FFP_MAP_COUNT)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "map", "unknown map %d", map);
+    if (!check_aimed(renderer, err) || !ffp_check_choice((int)map, FFP_MAP_COUNT - 1, "map", err))
+        return false;
     const FfpCamera *camera = &renderer->camera;
     const size_t numbers = (size_t)camera->width * (size_t)camera->height * (size_t)ffp_map_width(map);
     if (count < numbers)

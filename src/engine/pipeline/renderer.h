@@ -16,8 +16,8 @@ typedef struct FfpRenderer {
     FfpViewPass *pass; // NULL: not aimed yet
     FfpSummed pattern; // shown last
     FfpCamera camera, projector;
-    bool aimed;
-    FfpBatch *batch; // of views drawn together; NULL: none yet
+    bool aimed, drawn; // by ffp_renderer_aim and ffp_renderer_forward, whose last call succeeded
+    FfpBatch *batch;   // of views drawn together; NULL: none yet
 } FfpRenderer;
 
 FfpRenderer *ffp_renderer_make(FfpDrawing drawing);

@@ -21,11 +21,12 @@ bool ffp_take_options(void *own, const void *options, const char *name, FfpError
     if (!ffp_need(options, "options", err)) return false;
     memcpy(&known, own, sizeof known);
     memcpy(&given, options, sizeof given);
-    if (given < sizeof given)
+    if (given < sizeof given || given % sizeof given != 0)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "its size is %zu: start from its defaults", given);
     if (given > known)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, name,
-                        "its size is %zu, but %zu in this library, version %s: it is that of a later one",
+                        "it has %zu bytes, and %zu in this library, version %s: the program was compiled "
+                        "for a later one",
                         given, known, FFP_VERSION);
     memcpy(own, options, given);
     memcpy(own, &known, sizeof known);
@@ -51,10 +52,34 @@ bool ffp_need_texts(const char *const *texts, int n, const char *name, FfpError 
 }
 
 bool ffp_check_drawing(FfpDrawing drawing, FfpError *err) {
-    if ((unsigned)drawing.form > FFP_FORM_GS_PROCAMS)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "drawing.form", "invalid value %d", (int)drawing.form);
+    if (!ffp_check_choice((int)drawing.form, FFP_FORM_GS_PROCAMS, "drawing.form", err)) return false;
     return (drawing.samples >= 0 && drawing.samples <= FFP_SAMPLES_MAX) ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "drawing.samples",
                     "%d samples per side of a pixel: expected 1 to %d, or 0 for the default", drawing.samples,
                     FFP_SAMPLES_MAX);
+}
+
+bool ffp_check_noise(double noise, FfpError *err) {
+    return noise == FFP_NOISE_ESTIMATED || (noise >= 0 && noise <= 1) ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "noise", "%g is not in 0 to 1", noise);
+}
+
+bool ffp_check_reconstruction(const FfpReconstruction *options, FfpError *err) {
+    if (options->polish < 0 && options->polish != FFP_POLISH_AUTO)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "polish", "%lld steps are below 0",
+                        (long long)options->polish);
+    if (options->layers != FFP_LAYERS_AUTO && !(options->layers >= 0))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "layers", "%g is not 0 or more", options->layers);
+    return ffp_need_texts(options->patterns, options->n_patterns, "patterns", err) &&
+           ffp_check_noise(options->noise, err) && ffp_check_drawing(options->drawing, err);
+}
+
+bool ffp_check_refinement(const FfpRefinement *options, FfpError *err) {
+    if (options->steps < 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "steps", "%lld steps are below 0",
+                        (long long)options->steps);
+    if (!(options->limit_s >= 0))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "limit_s", "%g seconds are not 0 or more", options->limit_s);
+    return ffp_need_texts(options->patterns, options->n_patterns, "patterns", err) &&
+           ffp_check_noise(options->noise, err) && ffp_check_drawing(options->drawing, err);
 }

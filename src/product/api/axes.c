@@ -24,9 +24,7 @@ bool ffp_gaussians_turn(FfpContext *context, FfpGaussians *gaussians, const char
                         const FfpCapture *capture, const FfpUp *up, FfpError *err) {
     Call call = {gaussians, path, capture, up};
     if (!ffp_need_gaussians(gaussians, err) || !ffp_need(path, "path", err) ||
-        !ffp_need(capture, "capture", err))
+        !ffp_need(capture, "capture", err) || (up && !ffp_check_choice((int)*up, FFP_UP_MINUS_Y, "up", err)))
         return false;
-    if (up && (unsigned)*up > FFP_UP_MINUS_Y)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "up", "invalid value %d", (int)*up);
     return ffp_call_run(context, work, &call, err);
 }

@@ -72,7 +72,7 @@ FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *captur
     FfpRefinement own = ffp_refinement_defaults();
     Call call = {.capture = capture, .options = &own, .points = points, .stats = stats};
     if (!ffp_need_photographs(capture, err) || !ffp_take_options(&own, options, "FfpRefinement", err) ||
-        !ffp_check_drawing(own.drawing, err) || (points && !ffp_need_gaussians(points, err)))
+        !ffp_check_refinement(&own, err) || (points && !ffp_need_gaussians(points, err)))
         return NULL;
     return ffp_call_run(context, scratch_call, &call, err) ? call.gaussians : NULL;
 }
@@ -120,7 +120,8 @@ FfpNeuralField *ffp_fit_neural_field(FfpContext *context, const FfpCapture *capt
                                      FfpRefinementStats *stats, FfpError *err) {
     FfpRefinement own = ffp_refinement_defaults();
     Call call = {.capture = capture, .options = &own, .checkpoint = checkpoint, .stats = stats};
-    if (!ffp_need_photographs(capture, err) || !ffp_take_options(&own, options, "FfpRefinement", err))
+    if (!ffp_need_photographs(capture, err) || !ffp_take_options(&own, options, "FfpRefinement", err) ||
+        !ffp_check_refinement(&own, err))
         return NULL;
     return ffp_call_run(context, field_call, &call, err) ? call.field : NULL;
 }

@@ -220,6 +220,6 @@ void ffp_capture_intensity(const FfpCapture *capture, double intensity[3]) {
 }
 
 void ffp_capture_bounds(const FfpCapture *capture, double centre[3], double *radius) {
-    for (int i = 0; i < 3; i++) centre[i] = (double)capture->centre[i];
-    *radius = (double)capture->radius;
+    for (int i = 0; centre && i < 3; i++) centre[i] = (double)capture->centre[i];
+    if (radius) *radius = (double)capture->radius;
 }

@@ -33,12 +33,17 @@ static bool into_memory(void *argument, FfpError *err) {
     return call->images != NULL;
 }
 
+static bool check_targets(const FfpCompensation *options, FfpError *err) {
+    if (options->pictures && options->targets)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "targets", "are given as files and as pictures");
+    return options->pictures || ffp_need_texts(options->targets, options->n_targets, "targets", err);
+}
+
 static bool check_arguments(const FfpGaussians *gaussians, const FfpCapture *capture, FfpCompensation *own,
                             const FfpCompensation *options, FfpError *err) {
     return ffp_need_gaussians(gaussians, err) && ffp_need(capture, "capture", err) &&
            ffp_take_options(own, options, "FfpCompensation", err) &&
-           ffp_need_texts(own->views, own->n_views, "views", err) &&
-           (own->pictures || ffp_need_texts(own->targets, own->n_targets, "targets", err)) &&
+           ffp_need_texts(own->views, own->n_views, "views", err) && check_targets(own, err) &&
            ffp_check_drawing(own->drawing, err);
 }
 

@@ -8,6 +8,7 @@
 #endif
 
 #define INTERVAL 0.05 // seconds
+enum { THREADS_MAX = 4096 };
 
 void ffp_context_defaults_into(FfpContextSettings *options, size_t size) {
     ffp_give_defaults(options, size, &(FfpContextSettings){.interval_s = INTERVAL},
@@ -27,11 +28,23 @@ static bool open_cuda(void *argument, FfpError *err) {
 #endif
 }
 
+static bool check_ranks(const FfpRanks *r, FfpError *err) {
+    if (r->count < 1 || r->rank < 0 || r->rank >= r->count)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "ranks", "rank %d of %d", r->rank, r->count);
+    return (r->sum_begin && r->sum_finish && r->sum && r->gather && r->broadcast && r->leave) ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "ranks", "a function is NULL: all are required");
+}
+
 static bool check(const FfpContextSettings *settings, FfpError *err) {
-    if (settings->threads < 0)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "threads", "%d threads are too few", settings->threads);
-    if (settings->device != FFP_DEVICE_CPU && settings->device != FFP_DEVICE_CUDA)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "device", "unknown device kind %d", (int)settings->device);
+    if (settings->threads < 0 || settings->threads > THREADS_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "threads", "%d threads: expected 0 to %d", settings->threads,
+                        THREADS_MAX);
+    if (!(settings->interval_s >= 0))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "interval_s", "%g seconds are not 0 or more",
+                        settings->interval_s);
+    if (!ffp_check_choice((int)settings->device, FFP_DEVICE_CUDA, "device", err) ||
+        (settings->ranks && !check_ranks(settings->ranks, err)))
+        return false;
     if (!settings->allocate != !settings->release)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "allocate", "allocate and release go together");
     return true;

@@ -33,7 +33,14 @@ FfpScore *ffp_evaluate(FfpContext *context, const FfpEvaluation *options, int *n
     if (!ffp_take_options(&own, options, "FfpEvaluation", err) || !ffp_need(n_scores, "n_scores", err) ||
         !ffp_need_texts(own.captures, own.n_captures, "captures", err) ||
         !ffp_need_texts(own.targets, own.n_targets, "targets", err) ||
-        !ffp_need_texts(own.merged, own.n_merged, "merged", err) || !ffp_check_drawing(own.drawing, err))
+        !ffp_need_texts(own.merged, own.n_merged, "merged", err) ||
+        !ffp_check_reconstruction(&(FfpReconstruction){.patterns = own.patterns,
+                                                       .n_patterns = own.n_patterns,
+                                                       .polish = own.polish,
+                                                       .noise = own.noise,
+                                                       .layers = own.layers,
+                                                       .drawing = own.drawing},
+                                  err))
         return NULL;
     return ffp_call_run(context, work, &call, err) ? call.scores : NULL;
 }

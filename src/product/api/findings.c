@@ -62,6 +62,7 @@ void ffp_put_json(FILE *out, const char *text) {
 
 char *ffp_finding_json(const FfpFinding *finding) {
     static const char *const severities[] = {"ok", "note", "doubt", "fault"};
+    if (!finding || (unsigned)finding->severity > FFP_FINDING_FAULT) return NULL;
     json_t *object = json_object();
     set_text(object, "code", finding->code);
     set_text(object, "severity", severities[finding->severity]);

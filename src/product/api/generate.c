@@ -25,14 +25,11 @@ static FfpSensor sensor_of(const FfpSensorFaults *faults) {
 
 // Checks for values that a caller in C may pass though the type says otherwise.
 static bool check_choices(const FfpGeneration *options, FfpError *err) {
-    if ((unsigned)options->split > FFP_SPLIT_TEST)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "split", "invalid value %d", (int)options->split);
-    if ((unsigned)options->preset > FFP_PRESET_TRAINING)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "preset", "invalid value %d", (int)options->preset);
     if (options->seed > INT64_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "seed", "is above %lld", (long long)INT64_MAX);
-    return (unsigned)options->rig <= FFP_RIG_WALK_TWO ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, "rig", "invalid value %d", (int)options->rig);
+    return ffp_check_choice((int)options->split, FFP_SPLIT_TEST, "split", err) &&
+           ffp_check_choice((int)options->preset, FFP_PRESET_TRAINING, "preset", err) &&
+           ffp_check_choice((int)options->rig, FFP_RIG_WALK_TWO, "rig", err);
 }
 
 static bool generate(void *argument, FfpError *err) {

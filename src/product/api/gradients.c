@@ -102,7 +102,7 @@ static bool draw(ForwardCall *call, FfpBatchJob *job, FfpImage *patterns, FfpCam
     ffp_renderer_batch(call->renderer);
     ffp_batch_forward(batch, job, call->pictures, call->maps);
     ffp_blocks_use(NULL);
-    return true;
+    return call->renderer->drawn = true;
 }
 
 static bool forward(void *argument, FfpError *err) {
@@ -129,7 +129,9 @@ static bool forward(void *argument, FfpError *err) {
 bool ffp_renderer_forward(FfpContext *context, FfpRenderer *renderer, const FfpRenderBatch *batch,
                           float *pictures, size_t count, float *const *maps, int n_maps, FfpError *err) {
     ForwardCall call = {renderer, batch, pictures, count, {NULL}};
-    if (!ffp_need(renderer, "renderer", err) || !ffp_need(batch, "batch", err) || !check_counts(batch, err) ||
+    if (!ffp_need(renderer, "renderer", err)) return false;
+    renderer->drawn = false; // whatever becomes of it
+    if (!ffp_need(batch, "batch", err) || !check_counts(batch, err) ||
         (batch->n_patterns > 0 && !ffp_need(pictures, "pictures", err)) ||
         (batch->n_patterns > 0 && !batch->same_patterns && !ffp_need(batch->patterns, "patterns", err)) ||
         !check_maps(maps, n_maps, err))
@@ -149,10 +151,11 @@ typedef struct BackwardCall {
 static bool backward(void *argument, FfpError *err) {
     const BackwardCall *call = argument;
     const FfpBatchShape shape =
-        call->renderer->batch ? ffp_batch_shape(call->renderer->batch) : (FfpBatchShape){0};
+        call->renderer->drawn ? ffp_batch_shape(call->renderer->batch) : (FfpBatchShape){0};
     if (shape.gaussians == 0 || !shape.gradients)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "renderer",
-                        "nothing was drawn with `gradients` set by ffp_renderer_forward");
+        return ffp_fail(
+            err, FFP_ERROR_ARGUMENT, "renderer",
+            "the last ffp_renderer_forward failed, or was without `gradients`, or there was none");
     if (call->pictures && !check_numbers(call->count, shape.pictures, err)) return false;
     ffp_batch_backward(ffp_renderer_batch(call->renderer), call->pictures, call->maps, call->out);
     ffp_blocks_use(NULL);

@@ -38,8 +38,6 @@ static bool open_capture(void *argument, FfpError *err) {
     case FFP_READ_NONE:
         call->capture = ffp_capture_load_devices(call->path, o->sphere, err);
         break;
-    default:
-        ffp_fail(err, FFP_ERROR_ARGUMENT, "photographs", "%d: no such choice", (int)o->photographs);
     }
     return call->capture != NULL;
 }
@@ -49,6 +47,7 @@ FfpCapture *ffp_capture_open(FfpContext *context, const char *path, const FfpOpe
     FfpOpening own = ffp_opening_defaults();
     OpenCapture call = {.path = path, .options = &own};
     if (!ffp_need(path, "path", err) || (options && !ffp_take_options(&own, options, "FfpOpening", err)) ||
+        !ffp_check_choice((int)own.photographs, FFP_READ_NONE, "photographs", err) ||
         !ffp_need_texts(own.patterns, own.n_patterns, "patterns", err))
         return NULL;
     return ffp_call_run(context, open_capture, &call, err) ? call.capture : NULL;
@@ -162,7 +161,7 @@ void *ffp_gaussians_bytes(FfpContext *context, const FfpGaussians *gaussians, si
 }
 
 bool ffp_can_write(const char *path, FfpError *err) {
-    return ffp_output_probe(path, err);
+    return ffp_need(path, "path", err) && ffp_output_probe(path, err);
 }
 
 int64_t ffp_gaussians_count(const FfpGaussians *gaussians) {

@@ -20,7 +20,7 @@ FfpNamedImage ffp_images_at(const FfpImages *images, int index) {
 }
 
 FfpNamedImage ffp_images_find(const FfpImages *images, const char *name) {
-    const FfpImageEntry *entry = images->first;
+    const FfpImageEntry *entry = name ? images->first : NULL;
     while (entry && strcmp(entry->name, name) != 0) entry = entry->next;
     return named(entry);
 }

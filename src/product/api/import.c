@@ -10,13 +10,9 @@ void ffp_import_defaults_into(FfpImport *options, size_t size) {
 
 // Checks for values that a caller in C may pass though the type says otherwise.
 static bool check_choices(const FfpImport *options, FfpError *err) {
-    if ((unsigned)options->masks > FFP_MASKS_FROM_FILES)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "masks", "invalid value %d", (int)options->masks);
-    if ((unsigned)options->camera.fit > FFP_FIT_CROPPED)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "camera.fit", "invalid value %d", (int)options->camera.fit);
-    return (unsigned)options->projector.fit <= FFP_FIT_CROPPED ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, "projector.fit", "invalid value %d",
-                    (int)options->projector.fit);
+    return ffp_check_choice((int)options->masks, FFP_MASKS_FROM_FILES, "masks", err) &&
+           ffp_check_choice((int)options->camera.fit, FFP_FIT_CROPPED, "camera.fit", err) &&
+           ffp_check_choice((int)options->projector.fit, FFP_FIT_CROPPED, "projector.fit", err);
 }
 
 // Only images of all that was shown need no names.

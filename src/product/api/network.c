@@ -92,7 +92,7 @@ FfpPrepared *ffp_prepare(FfpContext *context, const FfpCapture *capture, const F
     FfpReconstruction own = ffp_reconstruction_defaults();
     PrepareCall call = {capture, &own, NULL};
     if (!ffp_need_photographs(capture, err) || !ffp_take_options(&own, options, "FfpReconstruction", err) ||
-        !ffp_need(own.model, "options.model", err))
+        !ffp_need(own.model, "options.model", err) || !ffp_check_reconstruction(&own, err))
         return NULL;
     return ffp_call_run(context, prepare, &call, err) ? call.prepared : NULL;
 }

@@ -35,7 +35,7 @@ FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *capture,
     FfpReconstruction own = ffp_reconstruction_defaults();
     Call call = {capture, &own, stats, NULL};
     if (!ffp_need_photographs(capture, err) || !ffp_take_options(&own, options, "FfpReconstruction", err) ||
-        !ffp_check_drawing(own.drawing, err))
+        !ffp_check_reconstruction(&own, err))
         return NULL;
     return ffp_call_run(context, work, &call, err) ? call.gaussians : NULL;
 }

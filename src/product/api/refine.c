@@ -5,9 +5,7 @@
 #include "rig/checks/checks.h"
 
 void ffp_refinement_defaults_into(FfpRefinement *options, size_t size) {
-    ffp_give_defaults(options, size,
-                      &(FfpRefinement){.limit_s = FFP_REFINE_SECONDS, .noise = FFP_NOISE_ESTIMATED},
-                      sizeof(FfpRefinement));
+    ffp_give_defaults(options, size, &(FfpRefinement){.noise = FFP_NOISE_ESTIMATED}, sizeof(FfpRefinement));
 }
 
 typedef struct Call {
@@ -28,7 +26,7 @@ bool ffp_refine_gaussians(FfpContext *context, FfpGaussians *gaussians, const Ff
     FfpRefinement own = ffp_refinement_defaults();
     Call call = {.gaussians = gaussians, .capture = capture, .options = &own, .stats = stats};
     if (!ffp_need_gaussians(gaussians, err) || !ffp_need_photographs(capture, err) ||
-        !ffp_take_options(&own, options, "FfpRefinement", err) || !ffp_check_drawing(own.drawing, err))
+        !ffp_take_options(&own, options, "FfpRefinement", err) || !ffp_check_refinement(&own, err))
         return false;
     return ffp_call_run(context, work, &call, err);
 }

@@ -9,7 +9,7 @@ typedef struct Arguments {
 } Arguments;
 
 static void tell(const Arguments *arguments, const FfpMapStats *stats, int written) {
-    for (int v = 0; v < FFP_MAP_STATS && stats[v].view[0]; v++) {
+    for (int v = 0; v < FFP_VIEWS_MAX && stats[v].view[0]; v++) {
         const FfpMapStats *view = &stats[v];
         printf("%s: %.1f %% of the projector's pixels fall on the object; round trip: %d camera pixels, %.2f "
                "%% within half a pixel, median %.3f, maximum %.3f; %d more do not return\n",
@@ -20,7 +20,7 @@ static void tell(const Arguments *arguments, const FfpMapStats *stats, int writt
 }
 
 static int run(void *data) {
-    static FfpMapStats stats[FFP_MAP_STATS];
+    static FfpMapStats stats[FFP_VIEWS_MAX];
     Arguments *arguments = data;
     FfpError err = {0};
     int written = -1;
@@ -30,7 +30,7 @@ static int run(void *data) {
     FfpCapture *capture = gaussians ? ffp_cli_open_devices(arguments->capture, false, &err) : NULL;
     if (capture && ffp_cli_turn(gaussians, arguments->gaussians, capture, arguments->up, &err))
         written = ffp_write_maps(ffp_cli_context(), gaussians, capture, &arguments->maps, stats,
-                                 FFP_MAP_STATS, &err);
+                                 FFP_VIEWS_MAX, &err);
     if (written >= 0) tell(arguments, stats, written);
     ffp_capture_close(capture);
     ffp_gaussians_close(gaussians);

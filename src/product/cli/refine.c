@@ -111,7 +111,6 @@ static void set_defaults(void *data) {
     FfpRefinement *refinement = &((Arguments *)data)->refinement;
     ((Arguments *)data)->form = -1;
     *refinement = ffp_refinement_defaults();
-    refinement->limit_s = 0; // the same seconds when no steps are given, and no limit when they are
     refinement->seed = 1;
 }
 

@@ -25,9 +25,9 @@ static Kind kind_of(const char *file) {
 
 static bool check(const FfpExport *options, const FfpCapture *capture, FfpError *err) {
     const Kind kind = kind_of(options->file);
-    if (!ffp_framing_check(options->framing, err)) return false;
-    if ((unsigned)options->up > FFP_UP_MINUS_Y)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "up", "invalid value %d", (int)options->up);
+    if (!ffp_framing_check(options->framing, err) ||
+        !ffp_check_choice((int)options->up, FFP_UP_MINUS_Y, "up", err))
+        return false;
     if (options->mesh && (kind == KIND_PLY || kind == KIND_SPZ || kind == KIND_NONE))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, options->file, "a mesh is written as .glb, .gltf or .obj");
     if (!options->mesh && (kind == KIND_OBJ || kind == KIND_NONE))

@@ -24,6 +24,7 @@ static void handles_are_asked_for(void **state) {
     refused(!ffp_capture_save(NULL, NULL, "folder", &err), "capture");
     refused(!ffp_capture_save(NULL, capture, NULL, &err), "folder");
     refused(!ffp_can_save_capture(NULL, &err), "folder");
+    refused(!ffp_can_write(NULL, &err), "path");
     refused(!ffp_gaussians_open(NULL, NULL, NULL, &err), "path");
     refused(!ffp_gaussians_save(NULL, NULL, "file", &err), "gaussians");
     refused(!ffp_gaussians_save(NULL, gaussians, NULL, &err), "path");
@@ -45,15 +46,15 @@ static void fits_are_told_what_to_fit(void **state) {
     FfpReconstruction drawn = {.size = sizeof drawn, .drawing.samples = 5};
     refused(!ffp_reconstruct(NULL, NULL, &how, NULL, &err), "capture");
     refused(!ffp_reconstruct(NULL, capture, NULL, NULL, &err), "options");
-    refused(!ffp_reconstruct(NULL, capture, &how, NULL, &err), capture->name);
+    refused(!ffp_reconstruct(NULL, capture, &how, NULL, &err), "patterns[0]");
     refused(!ffp_reconstruct(NULL, capture, &drawn, NULL, &err), "drawing.samples");
     refused(!ffp_refine_gaussians(NULL, NULL, capture, &fine, NULL, &err), "gaussians");
     refused(!ffp_refine_gaussians(NULL, gaussians, NULL, &fine, NULL, &err), "capture");
-    refused(!ffp_refine_gaussians(NULL, gaussians, capture, &further, NULL, &err), capture->name);
+    refused(!ffp_refine_gaussians(NULL, gaussians, capture, &further, NULL, &err), "patterns[0]");
     refused(!ffp_fit_from_scratch(NULL, NULL, NULL, &fine, NULL, &err), "capture");
     refused(!ffp_fit_from_scratch(NULL, capture, NULL, NULL, NULL, &err), "options");
     refused(!ffp_fit_neural_field(NULL, NULL, &fine, NULL, NULL, &err), "capture");
-    refused(!ffp_fit_neural_field(NULL, capture, &further, NULL, NULL, &err), capture->name);
+    refused(!ffp_fit_neural_field(NULL, capture, &further, NULL, NULL, &err), "patterns[0]");
     refused(!ffp_align_poses(NULL, NULL, &aligning, NULL, &err), "capture");
     refused(!ffp_align_poses(NULL, capture, NULL, NULL, &err), "options");
     // A capture whose photographs were left in their files.
@@ -70,8 +71,54 @@ static void fits_are_told_what_to_fit(void **state) {
     ffp_capture_close(devices);
     opening.photographs = 7;
     refused(!ffp_capture_open(NULL, FFP_SOURCE_DIR "/data/sample", &opening, &err), "photographs");
+    opening.size = sizeof opening.size + 1; // ends within a field
+    refused(!ffp_capture_open(NULL, FFP_SOURCE_DIR "/data/sample", &opening, &err), "FfpOpening");
     opening.size = 0;
     refused(!ffp_capture_open(NULL, FFP_SOURCE_DIR "/data/sample", &opening, &err), "FfpOpening");
+}
+
+static void numbers_of_fits_are_in_range(void **state) {
+    (void)state;
+    static const double no_noise[3] = {NAN, 5, -2};
+    for (int i = 0; i < 3; i++) {
+        FfpReconstruction how = ffp_reconstruction_defaults();
+        FfpRefinement fine = ffp_refinement_defaults();
+        how.noise = fine.noise = no_noise[i], fine.steps = 1;
+        refused(!ffp_reconstruct(NULL, capture, &how, NULL, &err), "noise");
+        refused(!ffp_refine_gaussians(NULL, gaussians, capture, &fine, NULL, &err), "noise");
+    }
+    FfpReconstruction how = ffp_reconstruction_defaults();
+    how.polish = -2;
+    refused(!ffp_reconstruct(NULL, capture, &how, NULL, &err), "polish");
+    how.polish = 0, how.layers = NAN;
+    refused(!ffp_reconstruct(NULL, capture, &how, NULL, &err), "layers");
+    how.layers = 0, how.n_patterns = -1;
+    refused(!ffp_reconstruct(NULL, capture, &how, NULL, &err), "patterns");
+    FfpEvaluation evaluation = ffp_evaluation_defaults();
+    int n;
+    evaluation.polish = -2;
+    refused(!ffp_evaluate(NULL, &evaluation, &n, &err), "polish");
+    FfpRefinement fine = ffp_refinement_defaults();
+    fine.steps = -1;
+    refused(!ffp_refine_gaussians(NULL, gaussians, capture, &fine, NULL, &err), "steps");
+    refused(!ffp_fit_from_scratch(NULL, capture, NULL, &fine, NULL, &err), "steps");
+    fine.steps = 0, fine.limit_s = NAN;
+    refused(!ffp_refine_gaussians(NULL, gaussians, capture, &fine, NULL, &err), "limit_s");
+}
+
+static void contexts_are_checked(void **state) {
+    (void)state;
+    FfpContextSettings settings = ffp_context_defaults();
+    settings.threads = 100000;
+    refused(!ffp_context_new(&settings, &err), "threads");
+    settings.threads = 0, settings.interval_s = NAN;
+    refused(!ffp_context_new(&settings, &err), "interval_s");
+    settings.interval_s = 0, settings.device = (FfpDeviceKind)9;
+    refused(!ffp_context_new(&settings, &err), "device");
+    settings.device = FFP_DEVICE_CPU, settings.ranks = &(FfpRanks){.rank = 0, .count = 0};
+    refused(!ffp_context_new(&settings, &err), "ranks");
+    settings.ranks = &(FfpRanks){.rank = 0, .count = 1};
+    refused(!ffp_context_new(&settings, &err), "ranks");
 }
 
 static void pictures_are_told_where_to_go(void **state) {
@@ -88,7 +135,9 @@ static void pictures_are_told_where_to_go(void **state) {
     pictures.folder = "pictures";
     refused(ffp_render_pictures(NULL, NULL, capture, &pictures, &err) < 0, "gaussians");
     refused(ffp_render_pictures(NULL, gaussians, capture, NULL, &err) < 0, "options");
-    pictures.views = one, pictures.n_views = 1;
+    pictures.orbit = (FfpOrbit)9;
+    refused(ffp_render_pictures(NULL, gaussians, capture, &pictures, &err) < 0, "orbit");
+    pictures.orbit = FFP_ORBIT_NONE, pictures.views = one, pictures.n_views = 1;
     refused(ffp_render_pictures(NULL, gaussians, capture, &pictures, &err) < 0, "views[0]");
     refused(!ffp_write_page(NULL, gaussians, capture, &page, NULL, &err), "file");
     page.file = "page.html";
@@ -96,7 +145,9 @@ static void pictures_are_told_where_to_go(void **state) {
     compensation.targets = one, compensation.n_targets = 1;
     refused(!ffp_compensate_images(NULL, gaussians, capture, &compensation, NULL, &err), "targets[0]");
     refused(!ffp_compensate_images(NULL, gaussians, NULL, &compensation, NULL, &err), "capture");
-    compensation.n_targets = 0;
+    compensation.pictures = &(FfpPicture){0};
+    refused(!ffp_compensate_images(NULL, gaussians, capture, &compensation, NULL, &err), "targets");
+    compensation.pictures = NULL, compensation.n_targets = 0;
     refused(!ffp_compensate(NULL, gaussians, capture, &compensation, NULL, &err), "pattern");
     refused(ffp_write_maps(NULL, gaussians, capture, &maps, NULL, 0, &err) < 0, "folder");
     refused(!ffp_map_images(NULL, gaussians, capture, NULL, &device, (FfpDrawing){0}, NULL, &err), "camera");
@@ -180,7 +231,16 @@ static void drawings_are_checked(void **state) {
     assert_true(ffp_renderer_aim(NULL, renderer, gaussians, &camera, &projector, &err));
     refused(!ffp_renderer_shade(NULL, renderer, NULL, NULL, &n, sizeof n, FFP_PIXELS_U8, 0, &err),
             "intensity");
+    const double light[3] = {1, 1, 1};
+    float *out = ffp_alloc((size_t)camera.width * (size_t)camera.height * 4, sizeof *out);
+    const size_t bytes = (size_t)camera.width * (size_t)camera.height * 4 * sizeof *out,
+                 row = 3 * sizeof *out * (size_t)camera.width;
+    refused(!ffp_renderer_shade(NULL, renderer, NULL, light, out, bytes, FFP_PIXELS_F32, row + 1, &err),
+            "row_bytes");
+    assert_true(ffp_renderer_shade(NULL, renderer, NULL, light, out, bytes, FFP_PIXELS_F32, row + 4, &err));
+    ffp_free(out);
     refused(!ffp_renderer_map(NULL, renderer, FFP_MAP_DEPTH, NULL, 0, &err), "out");
+    refused(!ffp_renderer_map(NULL, renderer, FFP_MAP_COUNT, (float[1]){0}, 1, &err), "map");
     ffp_renderer_close(renderer);
 }
 
@@ -289,6 +349,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(handles_are_asked_for),
         cmocka_unit_test(fits_are_told_what_to_fit),
+        cmocka_unit_test(numbers_of_fits_are_in_range),
+        cmocka_unit_test(contexts_are_checked),
         cmocka_unit_test(pictures_are_told_where_to_go),
         cmocka_unit_test(sources_are_named),
         cmocka_unit_test(drawings_are_checked),

@@ -128,6 +128,8 @@ static void json_holds_the_same(void **state) {
                             .limit = 2,
                             .subject = "b",
                             .text = "c\n"};
+    const FfpFinding foreign = {.code = "odd", .severity = (FfpSeverity)9};
+    assert_null(ffp_finding_json(&foreign));
     char *text = ffp_finding_json(&odd);
     json_t *read = json_loads(text, 0, NULL);
     assert_string_equal(text_of(read, "view"), "M?nchen\"");

@@ -369,6 +369,10 @@ static void test_refused(void **state) {
                                       FFP_MAP_COUNT + 1, &err));
     assert_non_null(strstr(err.text, "(n_maps)"));
     forward(NULL, renderer);
+    // After a failure there is no drawing: that before it was of arrays that the caller may have freed.
+    scene.batch.n_views = 0, refused(renderer, "n_views");
+    assert_false(ffp_renderer_backward(NULL, renderer, scene.weights, PICTURES, NULL, 0, &none, &err));
+    forward(NULL, renderer);
     assert_false(ffp_renderer_backward(NULL, renderer, scene.weights, PICTURES + 1, NULL, 0, &none, &err));
     assert_non_null(strstr(err.text, "(count)"));
     assert_false(ffp_renderer_backward(NULL, renderer, scene.weights, PICTURES, NULL, 1, &none, &err));
