@@ -16,7 +16,7 @@ bool ffp_fail(FfpError *err, FfpErrorCode code, const char *where, const char *w
         length = 0;
         text[0] = 0;
     }
-    if (where && (size_t)length < sizeof text - 1) {
+    if (where && where[0] && (size_t)length < sizeof text - 1) {
         snprintf(text + length, sizeof text - (size_t)length, " (%s)", where);
     }
     for (char *c = text; *c; c++) {

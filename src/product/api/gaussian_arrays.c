@@ -37,6 +37,9 @@ static bool check_attribute(int64_t count, int attribute, const Range *range, Ff
     if (all_within(range, count * width)) return true;
     for (int64_t i = 0; i < count * width; i++) {
         const double value = (double)range->from[i];
+        if (!isfinite(value))
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "row %lld: %g is not finite",
+                            (long long)(i / width), value);
         if (!(value >= range->low && value <= range->high))
             return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "row %lld: %g is not in %g to %g",
                             (long long)(i / width), value, range->low, range->high);
