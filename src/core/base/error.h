@@ -10,8 +10,8 @@ extern "C" {
 #endif
 
 // Writes the code and "WHAT (WHERE)" into err (which may be NULL) and returns false, so that a caller can
-// `return ffp_fail(...)`. `where` may be NULL or empty: then only WHAT is written. Control characters in the text are
-// replaced by '?'.
+// `return ffp_fail(...)`. `where` may be NULL or empty: then only WHAT is written. Control characters in the
+// text are replaced by '?'.
 bool ffp_fail(FfpError *err, FfpErrorCode code, const char *where, const char *what_format, ...)
     __attribute__((format(printf, 4, 5)));
 
