@@ -117,12 +117,6 @@ static int find_further(const FfpCapture *capture, const char *name, const int *
 int ffp_capture_photographs(const FfpCapture *capture, const char *const *names, int n, int *chosen,
                             FfpError *err) {
     int count = 0;
-    for (int i = 0; i < n; i++)
-        if (!names || !names[i]) {
-            ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name,
-                     "of %d patterns, the one at index %d has no name", n, i);
-            return -1;
-        }
     chosen[count++] = capture->black;
     chosen[count++] = capture->white;
     const int first = ffp_capture_active_pattern(capture, n > 0 ? names[0] : NULL, err);

@@ -14,7 +14,7 @@ static bool find_json(char json[FFP_PATH_MAX], const char *path, const char *con
     if (!ffp_is_folder(path)) {
         memcpy(json, path, strlen(path) + 1);
         if (!ffp_check_kind(path, FFP_WANTED_CAPTURE, err)) return false;
-        return ffp_is_file(path) || ffp_fail(err, FFP_ERROR_IO, path, "not a file or folder");
+        return ffp_is_file(path) || ffp_fail(err, FFP_ERROR_IO, path, "no such file or folder");
     }
     for (int i = 0; i < n; i++) {
         if (ffp_join_path(json, path, names[i]) && ffp_is_file(json)) return true;

@@ -172,8 +172,8 @@ static void test_patterns_that_are_not_everywhere(void **state) {
     expect_no_gaussians(memory, twice, 3, "'lollipop_0' is named twice");
     expect_no_gaussians(memory, absent, 2, "no pattern 'pear'");
     expect_no_gaussians(memory, plain, 2, "'all_white' is uniform");
-    expect_no_gaussians(memory, nameless, 2, "has no name");
-    expect_no_gaussians(memory, NULL, 2, "has no name");
+    expect_no_gaussians(memory, nameless, 2, "is required, but is NULL (patterns[1])");
+    expect_no_gaussians(memory, NULL, 2, "is required, but is NULL (patterns)");
     free_rebuilt(&r);
     ffp_capture_close(memory), ffp_capture_close(files);
 }
