@@ -114,8 +114,10 @@ static bool is_wide(const FfpStream *stream) {
            is(stream->primaries, "smpte431");
 }
 
+enum { LIGHT_MAX = 384 };
+
 // To light and back, with zscale. Of what is not HDR only the primaries change.
-static void put_light(const FfpStream *stream, bool alpha, char filter[FFP_STREAM_FILTER]) {
+static void put_light(const FfpStream *stream, bool alpha, char filter[LIGHT_MAX]) {
     const char *light = alpha ? "gbrapf32le" : "gbrpf32le",
                *primaries = *stream->primaries ? stream->primaries : "bt2020";
     const char *in = is_hdr(stream) ? stream->transfer : "bt709";
@@ -127,13 +129,13 @@ static void put_light(const FfpStream *stream, bool alpha, char filter[FFP_STREA
                                                   : "bt709",
                  is(stream->range, "pc") ? "full" : "limited");
     if (is_hdr(stream))
-        snprintf(filter, FFP_STREAM_FILTER,
+        snprintf(filter, LIGHT_MAX,
                  ",zscale=transferin=%s:primariesin=%s%s:transfer=linear:npl=" WHITE ",format=%s,"
                  "zscale=primaries=bt709,tonemap=mobius:param=0.95:desat=0:peak=" PEAK
                  ",zscale=transfer=iec61966-2-1:range=full",
                  in, primaries, of, light);
     else
-        snprintf(filter, FFP_STREAM_FILTER,
+        snprintf(filter, LIGHT_MAX,
                  ",zscale=transferin=%s:primariesin=%s%s:transfer=linear,format=%s,"
                  "zscale=primaries=bt709,zscale=transfer=bt709:range=full",
                  in, primaries, of, light);
@@ -141,7 +143,7 @@ static void put_light(const FfpStream *stream, bool alpha, char filter[FFP_STREA
 
 void ffp_stream_filter(const FfpStream *stream, bool alpha, char filter[FFP_STREAM_FILTER]) {
     static const char square[] = "w='if(gt(sar,1),round(iw*sar),iw)':h='if(lt(sar,1),round(ih/sar),ih)'";
-    char light[FFP_STREAM_FILTER] = "", matrix[48] = "";
+    char light[LIGHT_MAX] = "", matrix[48] = "";
     if (is_hdr(stream) || is_wide(stream))
         put_light(stream, alpha, light);
     else if (!is_rgb(stream))
