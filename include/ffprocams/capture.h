@@ -11,6 +11,7 @@ extern "C" {
 #endif
 
 typedef struct FfpCapture FfpCapture;
+#define FFP_VIEWS_MAX 512 // of a capture or a file of poses
 
 // A file's contents in the caller's memory, which the library only reads, and only during the call.
 typedef struct FfpBytes {

@@ -11,7 +11,7 @@ extern "C" {
 typedef enum FfpErrorCode {
     FFP_OK,
     FFP_ERROR_ARGUMENT,    // by the caller: a value out of range, an unknown name, a missing option
-    FFP_ERROR_FILE,        // an input has invalid or missing content, or a new folder has any
+    FFP_ERROR_FILE,        // an input's content is invalid or missing, or an output folder is not empty
     FFP_ERROR_UNSUPPORTED, // valid, but not supported by this library, build or machine
     FFP_ERROR_MEMORY,      // not enough memory
     FFP_ERROR_CANCELLED,   // by the progress callback

@@ -224,20 +224,18 @@ typedef struct FfpMapStats { // of one view
     double within_half, median, most;
     double lit_share; // share of the projector's pixels that fall on the object
 } FfpMapStats;
-enum { FFP_VIEWS_MAX = 512 }; // of a capture or a file of poses
 
 // Correspondences and projected light for one camera and one projector: linear images named like the files
-// (docs/reference/formats/pictures.md): camera_to_projector, projector_to_camera and projector_sees (3
-// channels), lit, incidence, density, resolution, illuminance (1), of the camera's size but for
-// projector_to_camera and projector_sees, which are of the projector's. `stats` may be NULL; its view is
-// "view".
+// (docs/reference/formats/pictures.md): camera_to_projector, of the camera's size, and of the projector's
+// projector_to_camera and projector_sees (these have 3 channels), lit, incidence, density, resolution and
+// illuminance (1). `stats` may be NULL; its view is "view".
 FFP_API FfpImages *ffp_map_images(FfpContext *context, const FfpGaussians *gaussians,
                                   const FfpCapture *capture, const FfpPinhole *camera,
                                   const FfpPinhole *projector, FfpDrawing drawing, FfpMapStats *stats,
                                   FfpError *err);
 // The same for the views of a capture or a file of poses, written to files. Returns the number of files, or
-// -1. `stats` may be NULL; otherwise it has room for `n_stats` views, and if they are more, nothing is
-// written.
+// -1. `stats` may be NULL; otherwise it has room for `n_stats` views (FFP_VIEWS_MAX are enough), and if they
+// are more, nothing is written.
 FFP_API int ffp_write_maps(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                            const FfpMaps *options, FfpMapStats *stats, int n_stats, FfpError *err);
 

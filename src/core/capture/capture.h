@@ -9,7 +9,6 @@
 #include "core/image/image.h"
 
 #define FFP_NAME_MAX 96
-#define FFP_VIEWS_MAX 512
 #define FFP_PATTERNS_MAX 512
 
 // A pinhole device, camera or projector alike (a projector is a camera whose light runs backwards).

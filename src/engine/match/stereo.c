@@ -134,7 +134,7 @@ static FfpStereoPlane plane_seen(const Sweep *w, int n, real at) {
 
 static inline void add_three(const Sweep *w, size_t i, real left, real right) {
     const real own = w->single[i];
-    w->sums[i] = ((left < 0 ? 0 : left) + (own < 0 ? 0 : own)) + (right < 0 ? 0 : right);
+    w->sums[i] = ((left >= 0 ? left : 0) + (own >= 0 ? own : 0)) + (right >= 0 ? right : 0);
     w->counts[i] = (real)((left >= 0) + (own >= 0) + (right >= 0));
 }
 

@@ -59,7 +59,8 @@ bool ffp_check_drawing(FfpDrawing drawing, FfpError *err) {
                     FFP_SAMPLES_MAX);
 }
 
-bool ffp_check_noise(double noise, FfpError *err) {
+// A share of white, or FFP_NOISE_ESTIMATED.
+static bool check_noise(double noise, FfpError *err) {
     return noise == FFP_NOISE_ESTIMATED || (noise >= 0 && noise <= 1) ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "noise", "%g is not in 0 to 1", noise);
 }
@@ -71,7 +72,7 @@ bool ffp_check_reconstruction(const FfpReconstruction *options, FfpError *err) {
     if (options->layers != FFP_LAYERS_AUTO && !(options->layers >= 0))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "layers", "%g is not 0 or more", options->layers);
     return ffp_need_texts(options->patterns, options->n_patterns, "patterns", err) &&
-           ffp_check_noise(options->noise, err) && ffp_check_drawing(options->drawing, err);
+           check_noise(options->noise, err) && ffp_check_drawing(options->drawing, err);
 }
 
 bool ffp_check_refinement(const FfpRefinement *options, FfpError *err) {
@@ -81,5 +82,5 @@ bool ffp_check_refinement(const FfpRefinement *options, FfpError *err) {
     if (!(options->limit_s >= 0))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "limit_s", "%g seconds are not 0 or more", options->limit_s);
     return ffp_need_texts(options->patterns, options->n_patterns, "patterns", err) &&
-           ffp_check_noise(options->noise, err) && ffp_check_drawing(options->drawing, err);
+           check_noise(options->noise, err) && ffp_check_drawing(options->drawing, err);
 }

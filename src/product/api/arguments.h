@@ -22,8 +22,6 @@ bool ffp_need_gaussians(const FfpGaussians *gaussians, FfpError *err);
 bool ffp_need_texts(const char *const *texts, int n, const char *name, FfpError *err);
 // An existing form, and a valid number of samples.
 bool ffp_check_drawing(FfpDrawing drawing, FfpError *err);
-// A share of white, or FFP_NOISE_ESTIMATED.
-bool ffp_check_noise(double noise, FfpError *err);
 // Names of patterns, and numbers in the ranges of ffprocams/reconstruct.h.
 bool ffp_check_reconstruction(const FfpReconstruction *options, FfpError *err);
 bool ffp_check_refinement(const FfpRefinement *options, FfpError *err);
