@@ -16,7 +16,9 @@
     bench/pictures.py sizes TRUTH SMALL LARGE OUT.png
                                        README's picture of two sizes, from a photograph at a new pose and what `render` drew there of
                                        reconstructions of small and of large photographs, cut to the object, each with the PSNR of the
-                                       whole picture; the small one is enlarged (bicubic) to the size of the truth"""
+                                       whole picture; the small one is enlarged (bicubic) to the size of the truth
+    bench/pictures.py shell            README's first picture, docs/pictures/shell.png, from the photographs of data/shell; prints the PSNR of
+                                       the stripes that were held back. --program build/ffprocams"""
 import argparse
 import base64
 import io
@@ -132,6 +134,31 @@ def sizes(options):
     save_sheet(options.out, [[(label, picture.crop(box)) for label, picture in row]], 400, 20, Image.LANCZOS)
 
 
+def shell(options):
+    """Predictions of the object's pixels in the first view, under stripes that no fit saw (import reads the shape from them) and under our own picture."""
+    data, program = ROOT / "data/shell", str(Path(options.program).resolve())
+
+    def run(*arguments):
+        return subprocess.run([program, *map(str, arguments)], check=True, capture_output=True, text=True, cwd=folder).stdout
+
+    with tempfile.TemporaryDirectory() as folder:
+        run("patterns", "-o", "patterns", "--projector", "1280x800")
+        shown = {number: f"patterns/{6 + 2 * number - 2:03}_gray_x_{number:02}.png" for number in (5, 6)}
+        photographs = f"{data}/photographs/{{index:3}}"
+        run("import", "-c", data / "calibration.yml", "--camera-fit", "scaled", "-t", data / "axis.json", "-m", f"{data}/masks/{{index:3}}.png", "-w", 640,
+            "-i", f"black,white={photographs}/{{pattern}}.jpg", "-i", f"given={photographs}/gray/10.jpg", "-i", f"stripes={photographs}/gray/12.jpg",
+            "-p", f"given={shown[5]}", "--held-out", f"stripes={shown[6]}", "-g", f"{photographs}/gray/*.jpg", "-o", "capture")
+        run("reconstruct", "capture", "-o", "shell.ply")
+        print(run("evaluate", "capture", "--gaussians", "shell.ply", "--save", "predicted"))
+        run("render", "shell.ply", "-c", "capture", "-p", ROOT / "data/sun.png", "-o", "sun")
+        panels = {"photograph, white": "capture/000_white.png", "photograph, stripes held back": "capture/000_stripes.png",
+                  "the same, predicted": "predicted/capture/000_stripes.png", "a picture of our own, predicted": "sun/000_sun.png"}
+        row = [(label, over_black(Path(folder) / path).crop((42, 82, 322, 362))) for label, path in panels.items()]
+    save_sheet(ROOT / "docs/pictures/shell.png", [row], 320, resample=Image.LANCZOS)
+    sheet = Image.open(ROOT / "docs/pictures/shell.png")
+    sheet.quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(ROOT / "docs/pictures/shell.png", optimize=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(required=True)
@@ -144,6 +171,7 @@ def main():
         return made
 
     command(front)
+    command(shell).add_argument("--program", default="build/ffprocams")
     command(compensation, "report")
     command(sizes, "truth", "small", "large", "out")
     made = command(results, "out")

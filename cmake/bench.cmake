@@ -44,3 +44,10 @@ if(TARGET ffp_api AND TARGET ffp_synth)
   add_executable(rig_faults EXCLUDE_FROM_ALL bench/rig_faults.c)
   target_link_libraries(rig_faults PRIVATE ffp_api ffp_checks ffp_synth)
 endif()
+
+# Calibrations without a board of random walks with known faults: errors against what is stated of them.
+if(TARGET ffp_selfcal)
+  add_executable(walk_faults EXCLUDE_FROM_ALL bench/walk_faults.c)
+  target_include_directories(walk_faults PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(walk_faults PRIVATE ffp_selfcal)
+endif()

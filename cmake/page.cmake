@@ -1,8 +1,8 @@
 # Pages: view/PAGE.html with styles, shaders and scripts in it, as an array of C, ended by a 0, and its size without that.
 file(GLOB page_sources CONFIGURE_DEPENDS view/*)
-function(ffp_page page array out)
+function(ffp_page page array out) # [NAME.js=OTHER.js]: another script in its place
   add_custom_command(OUTPUT ${out}
-                     COMMAND ${CMAKE_COMMAND} -DFROM=${PROJECT_SOURCE_DIR}/view -DPAGE=${page} -DARRAY=${array} -DTO=${out}
+                     COMMAND ${CMAKE_COMMAND} -DFROM=${PROJECT_SOURCE_DIR}/view -DPAGE=${page} -DARRAY=${array} -DTO=${out} -DINSTEAD=${ARGN}
                              -P ${PROJECT_SOURCE_DIR}/cmake/write_page.cmake
                      DEPENDS ${page_sources} cmake/write_page.cmake)
 endfunction()

@@ -64,7 +64,7 @@ ffp_room(turntable DEPS checks findings chessboard shots optics match capture im
 # what a projector makes of its pictures: their light, and how soft they are
 ffp_room(response DEPS match capture image numerics base)
 # photographs into captures: the order of the steps
-ffp_room(import DEPS response checks findings masks turntable shots graycode optics patterns capture image base)
+ffp_room(import DEPS response checks findings masks turntable shots graycode optics patterns pipeline capture image numerics base)
 # the rig's own calibration: the order of its steps, its files and report
 ffp_room(calibrate CALLS DEPS turntable chessboard optics capture base)
 # a calibration without a board: projector, and a walking camera or a turntable, from the codes on anything
@@ -93,13 +93,15 @@ ffp_room(view CALLS DEPS pipeline render gaussians capture base)
 # splats and meshes for other programs
 ffp_room(export CALLS DEPS pipeline apply render gaussians capture image numerics base LIBS PkgConfig::JANSSON PkgConfig::ZLIB)
 # what a file holds, as text for people
-ffp_room(describe CALLS DEPS checks findings masks baselines network gaussians capture base)
+ffp_room(describe CALLS DEPS checks findings masks baselines network gaussians capture numerics base)
 # the calls of the public headers, one file per call: arguments checked, the call entered, structs translated, one function called
 ffp_room(api CALLS DEPS describe eval pipeline bench view export selfcal calibrate import checks findings baselines train synth patterns loss render
          network gaussians capture image base cuda LIBS PkgConfig::JANSSON PkgConfig::ZLIB)
 # the ranks of an MPI job: part of the program where it is built with MPI
 ffp_room(cluster IN library.cmake)
-# a server and its page, from a bare rig to the relit object, by the program's other commands
+# the studio's rules, from a bare rig to the relit object by the program's other commands
 ffp_room(studio IN library.cmake)
+# the platform on which they work here: a server and its page, processes
+ffp_room(server IN library.cmake DEPS studio)
 # the program, a file per command; like anybody's, it sees the public headers alone
-ffp_room(cli IN library.cmake DEPS cluster studio)
+ffp_room(cli IN library.cmake DEPS cluster studio server)

@@ -75,6 +75,9 @@ if(NOT FFPROCAMS_SANITIZE)
   add_test(NAME readme COMMAND ${PROJECT_SOURCE_DIR}/tests/product/cli/readme.sh $<TARGET_FILE:ffprocams> $<TARGET_FILE:ffprocams_shared>)
 endif()
 
+# A release carries the notices of the libraries in it.
+add_test(NAME third_party COMMAND ${PROJECT_SOURCE_DIR}/tests/script/third_party.sh)
+
 # The documents: links that exist, plain English, figures as measured.
 find_program(FFP_PYTHON python3)
 if(FFP_PYTHON)
@@ -91,11 +94,17 @@ if(TARGET ffp_cuda AND NOT FFPROCAMS_CUDA AND CMOCKA_FOUND AND TARGET ffprocams_
   add_test(NAME gpu_run COMMAND ${PROJECT_SOURCE_DIR}/script/gpu-run rehearse ${PROJECT_BINARY_DIR})
 endif()
 
-# The page of `ffprocams view` in a headless Chromium; without one (or without Python) it is skipped.
+# The page of `ffprocams view` in a headless Chromium, and its lit pixels in Firefox and WebKit; what is not installed is skipped.
 if(FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
   add_test(NAME view_page COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/view/test_view.py $<TARGET_FILE:ffprocams>
            ${PROJECT_SOURCE_DIR}/data/sample ${PROJECT_BINARY_DIR}/view-page)
-  set_tests_properties(view_page PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 1500)
+  add_test(NAME view_scatter COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/view/test_scatter.py $<TARGET_FILE:ffprocams>
+           ${PROJECT_SOURCE_DIR}/data/sample)
+  add_test(NAME view_engines COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/view/test_engines.py $<TARGET_FILE:ffprocams>
+           ${PROJECT_SOURCE_DIR}/data/sample ${PROJECT_BINARY_DIR}/view-engines)
+  add_test(NAME view_guard COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/view/test_guard.py $<TARGET_FILE:ffprocams>
+           ${PROJECT_SOURCE_DIR}/data/sample ${PROJECT_BINARY_DIR}/view-guard)
+  set_tests_properties(view_page view_engines view_guard view_scatter PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 1500)
 elseif(NOT FFP_PYTHON)
   message(STATUS "The page of `ffprocams view` is not tested: there is no python3")
 endif()
@@ -105,8 +114,13 @@ find_program(FFP_NODE node)
 if(FFP_NODE)
   add_test(NAME view_place COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/view/test_place.js)
   add_test(NAME studio_watch COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/studio/test_watch.js)
+  add_test(NAME studio_link COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/studio/test_link.js)
+  add_test(NAME studio_kept COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/studio/test_kept.js)
+  add_test(NAME view_zip COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/view/test_zip.js)
+  add_test(NAME view_contents COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/view/test_contents.js)
   add_test(NAME view_nudge COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/view/test_nudge.js)
   add_test(NAME view_control COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/view/test_control.js)
+  add_test(NAME view_surfaces COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/view/test_surfaces.js)
   add_test(NAME view_show COMMAND ${FFP_NODE} ${PROJECT_SOURCE_DIR}/tests/product/view/test_show.js)
 endif()
 
@@ -122,9 +136,22 @@ if(TARGET PkgConfig::MICROHTTPD AND TARGET ffprocams_opencv AND TARGET ffprocams
            ${PROJECT_BINARY_DIR}/studio-page)
   set_tests_properties(studio_page PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 1500)
 endif()
+# A second projector in it, with a browser or without.
+if(TARGET PkgConfig::MICROHTTPD AND TARGET ffprocams_opencv AND TARGET ffprocams_embree AND FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
+  add_test(NAME studio_second COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/studio/test_second.py $<TARGET_FILE:ffprocams>
+           ${PROJECT_BINARY_DIR}/studio-second)
+  set_tests_properties(studio_second PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 600)
+endif()
 if(TARGET PkgConfig::MICROHTTPD AND FFP_PYTHON)
   add_test(NAME studio_server COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/studio/test_server.py $<TARGET_FILE:ffprocams>
            ${PROJECT_BINARY_DIR}/studio-server)
+endif()
+
+# Files of each part, read by the others; of the page that reconstructs where script/test-wasm has built it.
+if(TARGET ffprocams_embree AND FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
+  add_test(NAME matrix COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/test_matrix.py $<TARGET_FILE:ffprocams>
+           ${PROJECT_BINARY_DIR}/matrix ${PROJECT_SOURCE_DIR}/build-wasm/ffprocams.html)
+  set_tests_properties(matrix PROPERTIES TIMEOUT 1500)
 endif()
 
 # Includes and symbols against the plan of the rooms.
@@ -159,7 +186,7 @@ endfunction()
 ffp_label(unit headers house links words)
 ffp_label(cli example_reconstruct example_roles example_relight example_progress example_cancel)
 ffp_label("cli;slow" readme simulated_rig studio_server training_rooms)
-ffp_label("browser;slow" view_page studio_page)
+ffp_label("browser;slow" view_page view_engines view_guard view_scatter studio_page matrix)
 ffp_label("gpu;slow" gpu_run)
 ffp_label("install;slow" install)
 if(TEST test_bench)

@@ -6,12 +6,13 @@ set(FFPROCAMS_INSTALL OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE OFF) # a page is one piece
 
 # Others' libraries by the names that rooms.cmake has for them. Those that are empty are not there.
-foreach(entry PNG:libpng16.a,libz.a ZLIB:libz.a JANSSON:libjansson.a JPEG:libjpeg.a YAML:libyaml.a EXPAT:libexpat.a OPENBLAS: OPENEXR:)
+foreach(entry PNG:libpng16.a,libz.a ZLIB:libz.a JANSSON:libjansson.a JPEG:libjpeg.a YAML:libyaml.a EXPAT:libexpat.a OPENBLAS: OPENEXR:
+              OPENCV:libopencv_calib3d.a,libopencv_features2d.a,libopencv_flann.a,libopencv_imgproc.a,libopencv_core.a)
   string(REGEX MATCH "^(.+):(.*)$" entry ${entry})
   string(REPLACE "," ";" files "${CMAKE_MATCH_2}")
   list(TRANSFORM files PREPEND ${FFP_WASM_LIBS}/lib/)
   add_library(PkgConfig::${CMAKE_MATCH_1} INTERFACE IMPORTED)
-  target_include_directories(PkgConfig::${CMAKE_MATCH_1} SYSTEM INTERFACE ${FFP_WASM_LIBS}/include)
+  target_include_directories(PkgConfig::${CMAKE_MATCH_1} SYSTEM INTERFACE ${FFP_WASM_LIBS}/include ${FFP_WASM_LIBS}/include/opencv4)
   target_link_libraries(PkgConfig::${CMAKE_MATCH_1} INTERFACE ${files})
 endforeach()
 
@@ -25,7 +26,8 @@ target_compile_definitions(OpenMP::OpenMP_C INTERFACE FFP_NO_BLAS)
 
 # The rooms that a page has: whole, but for the calls (api), of which it has those that take no other room.
 set(FFP_WASM_ROOMS base numerics image tensor gaussians capture patterns denoise match network render loss refine align apply
-                   pipeline findings optics graycode shots turntable masks checks response import view export describe api)
+                   pipeline findings optics graycode shots chessboard turntable masks checks response import calibrate selfcal
+                   baselines eval view export describe api)
 function(ffp_wasm_calls out)
   set(kept "")
   foreach(source ${${out}})

@@ -1,5 +1,5 @@
 # A page with everything it names put in, written as a C array:
-# cmake -DFROM=view -DPAGE=page -DARRAY=ffp_page_template -DTO=page.c -P write_page.cmake
+# cmake -DFROM=view -DPAGE=page -DARRAY=ffp_page_template -DTO=page.c [-DINSTEAD=NAME.js=OTHER.js] -P write_page.cmake
 #   <link rel="stylesheet" href="NAME">  the style sheet
 #   <script src="NAME"></script>         the script; all scripts share one scope
 #   <script type="x-shader" src="NAME">  the shader's text, as an element whose id is NAME
@@ -15,6 +15,13 @@ function(ffp_put_in pattern before after)
   endforeach()
   set(page "${page}" PARENT_SCOPE)
 endfunction()
+
+foreach(pair IN LISTS INSTEAD)
+  string(REPLACE "=" ";" pair "${pair}")
+  list(GET pair 0 name)
+  list(GET pair 1 other)
+  string(REPLACE "src=\"${name}\"" "src=\"${other}\"" page "${page}")
+endforeach()
 
 ffp_put_in("<link rel=\"stylesheet\" href=\"([a-z_.]+)\">" "<style>" "</style>")
 ffp_put_in("<script type=\"x-shader\" src=\"([a-z_.]+)\"></script>" "<script type=\"x-shader\" id=\"NAME\">" "</script>")

@@ -27,8 +27,9 @@ static bool fill(Rig *rig, const FfpCapture *from) {
                              .views = rig->views};
     for (int p = 0; p < n_patterns; p++) {
         const FfpPatternRole role = ffp_capture_pattern_role(from, p);
-        rig->patterns[p] = (FfpPatternData){ffp_capture_pattern_name(from, p),
-                                            ffp_capture_picture(from, -1, p), role == FFP_PATTERN_HELD_OUT};
+        rig->patterns[p] = (FfpPatternData){.name = ffp_capture_pattern_name(from, p),
+                                            .picture = ffp_capture_picture(from, -1, p),
+                                            .held_out = role == FFP_PATTERN_HELD_OUT};
         if (role == FFP_PATTERN_BLACK) data->black = p;
         if (role == FFP_PATTERN_WHITE) data->white = p;
     }

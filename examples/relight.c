@@ -38,7 +38,11 @@ static bool write_strip(const char *path, const unsigned char *strip, int width,
 static bool draw(FfpRenderer *renderer, const FfpPinhole *camera, const FfpPinhole *projector,
                  const double intensity[3], unsigned char *strip, unsigned char *pattern, FfpError *err) {
     const size_t row = 3 * (size_t)camera->width * FRAMES;
-    const FfpPicture light = {pattern, projector->width, projector->height, 3, FFP_PIXELS_U8, 0};
+    const FfpPicture light = {.data = pattern,
+                              .width = projector->width,
+                              .height = projector->height,
+                              .channels = 3,
+                              .type = FFP_PIXELS_U8};
     const double begin = seconds();
     for (int f = 0; f < FRAMES; f++) {
         paint(pattern, projector->width, projector->height, f);
@@ -63,7 +67,7 @@ int main(int argc, char **argv) {
     bool done = false;
     FfpGaussians *gaussians = ffp_gaussians_open(NULL, argv[1], NULL, &err);
     FfpCapture *capture = gaussians ? ffp_capture_open(NULL, argv[2], NULL, &err) : NULL;
-    const FfpDrawing drawing = {FFP_FORM_OURS, 0};
+    const FfpDrawing drawing = {.form = FFP_FORM_OURS};
     FfpRenderer *renderer = capture ? ffp_renderer_new(NULL, drawing, &err) : NULL;
     if (renderer) {
         ffp_capture_view_devices(capture, 0, &camera, &projector);

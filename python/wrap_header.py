@@ -22,7 +22,7 @@ def declarations(header: str) -> str:
     text = re.sub(r"#ifdef __cplusplus.*?#endif", "", text, flags=re.DOTALL)
     text = re.sub(r"^#(.*\\\n)*.*$", "", text, flags=re.MULTILINE)
     text = re.sub(r"^FFP_DEFAULTS\((\w+), (\w+)\)", r"\1 \2(void);", text, flags=re.MULTILINE)
-    return text.replace("FFP_API ", "")
+    return text.replace("FFP_API ", "").replace("FFP_RESERVED;", "uint64_t reserved[...];")
 
 
 def headers(include: Path, name: str, seen: list[str]) -> list[str]:

@@ -59,7 +59,7 @@ def of_both(f):
 @block
 def readme(f):
     labels = PREDICTORS | {"start": "classical start, without a network", "network": "network alone: 8 blocks of width 256", "shipped": "**network and fit, as shipped**"}
-    rows = [["FF-ProCams paper: 24 blocks of width 1024, RTX 3090", cell([p[0] for p in PAPER]), ""]]
+    rows = [["FF-ProCams paper: 24 blocks, RTX 3090", cell([p[0] for p in PAPER]), ""]]
     rows += [[labels[who], cell(f["scenes"][who]), cell(f["captures"][who])] for who in labels if who != "before"]
     return (f"PSNR in dB over the full frame, {of_both(f)}.\n"
             f"Program {program(f, {'scenes': 'test scenes', 'captures': 'Cycles'})}; the paper's data is not public, so its row is of other pictures:\n\n"
@@ -78,13 +78,13 @@ def readme_real(f):
     return f"{cell(f['real']['rows']['hasselt 240'][3], 1)} and {cell(f['real']['rows']['skull 422'][3], 1)} dB"
 
 
-REAL = {"hasselt 240": "ceramics, 240 wide", "hasselt 480": "ceramics, 480 wide", "skull 422": "skull, 422 wide"}
+REAL = {"shell 256": "shell, 256 wide", "hasselt 240": "ceramics, 240 wide", "hasselt 480": "ceramics, 480 wide", "skull 422": "skull, 422 wide"}
 
 
 @block
 def readme_photographs(f):
-    rows = [[REAL[name], *(cell(f["real"]["rows"][name][i]) for i in (0, 2, 3, 4))] for name in ("hasselt 240", "skull 422")]
-    return (f"PSNR in dB, as shipped, program {program(f, {'real': ''})}; the held-back stripes were not given:\n\n"
+    rows = [[REAL[name], *(cell(f["real"]["rows"][name][i]) for i in (0, 2, 3, 4))] for name in ("shell 256", "hasselt 240", "skull 422")]
+    return (f"PSNR in dB, as shipped, program {program(f, {'real': ''})}; no fit saw the held-back stripes:\n\n"
             + table(["", "white", "given stripes", "held-back stripes", "the worst of these"], rows))
 
 
@@ -101,7 +101,7 @@ def quality(f):
     def of(who):
         return [f"{cell(q[who]['psnr'][i])} / {cell(q[who]['ssim'][i], 4)} / {cell(q[who]['lpips'][i], 4) or '–'}" for i in range(3)]
 
-    rows = [["FF-ProCams paper: 24 blocks of width 1024", *(f"{cell(p)} / {cell(s, 4)} / {cell(lpips, 4)}" for p, s, lpips in PAPER)],
+    rows = [["FF-ProCams paper: 24 blocks", *(f"{cell(p)} / {cell(s, 4)} / {cell(lpips, 4)}" for p, s, lpips in PAPER)],
             ["network: 8 blocks of width 256", *of("network")], ["**as shipped**", *of("shipped")],
             *([label, *map(cell, q[who]["psnr_foreground"])] for who, label in (("network", "network, object's pixels"), ("shipped", "as shipped, object's pixels")))]
     return (f"{q['count']} scenes, {q['pictures']:,} pictures, PSNR / SSIM / LPIPS, program {program(f, {'quality': ''})}.\n"
@@ -135,7 +135,7 @@ def each(f):
 @block
 def photographs(f):
     rows = [[REAL[name], *map(cell, figures)] for name, figures in f["real"]["rows"].items()]
-    return f"Full frame, program {program(f, {'real': ''})}:\n\n" + table(["", "white", "black", "given stripes", "held-back stripes", "the worst of these"], rows)
+    return f"Full frame, program {program(f, {'real': ''})}:\n\n" + table(["", "white", "black", "given stripes", "held-back stripes", "the worst of these", "these, where lit"], rows)
 
 
 @block

@@ -1,5 +1,7 @@
 """The site's pages (a hook of mkdocs.yml): all Markdown files of the repository and the files that they link to, a page for each public
-header, made from its comments, and one for the Python package, made from its docstrings by mkdocstrings."""
+header and one for all that a comment of it declares, and a page for each public name of the Python package, made from its docstring by
+mkdocstrings."""
+import ast
 import os
 import re
 import subprocess
@@ -33,39 +35,66 @@ def blocks(text):
                 yield re.sub(" {2,}", "\n\n", " ".join(line[2:].strip() for line in comment.splitlines())), code
 
 
+def link(text, target, page):
+    return f"[{text}]({os.path.relpath(target, os.path.dirname(page))})"
+
+
+def link_to(name, page, places):
+    return link(f"`{name}`", places[name], page)
+
+
 def prose(comment, page, places):
     """A comment as Markdown for a page, in which paths of documents and the names in `places` are links."""
-    def link(text, target):
-        return f"[{text}]({os.path.relpath(target, os.path.dirname(page))})"
-
     def named(match):
         name = match.group().replace("\\", "")
-        return link(f"`{name}`", places[name]) if name in places else match.group()
+        return link_to(name, page, places) if name in places else match.group()
 
     pieces = re.split(r"(`[^`]*`)", comment)
     for i in range(0, len(pieces), 2):
         text = re.sub(r"([\\*_\[\]])", r"\\\1", pieces[i]).replace("<", "&lt;")
         text = re.sub(r"\w+(?:\\_\w+)*", named, text)
-        pieces[i] = re.sub(r"\bdocs/[\w/-]+\.md\b", lambda m: link(m.group(), m.group()), text)
+        pieces[i] = re.sub(r"\bdocs/[\w/-]+\.md\b", lambda m: link(m.group(), m.group(), page), text)
     return "".join(pieces)
 
 
-def page_of_header(text, page, places):
-    out = [f"# {os.path.basename(page).removesuffix('.md')}"]
+def pages_of_header(path, text, places):
+    """The header's page, which lists what it declares, and a page for each comment's declarations."""
+    page = f"{path}.md"
+    pages = {}
+    out = [f"# {os.path.basename(path)}"]
     for comment, code in blocks(text):
         declared = names(code)
         if comment.startswith("--- "):
             title, _, rest = comment.strip("- ").partition(": ")
             out += [f"## {title.removesuffix('.')}", prose(rest[:1].upper() + rest[1:], page, places)]
             continue
-        if declared:
-            out += ["### " + ", ".join(f"`{name}`" for name in declared) + f" {{#{declared[0]}}}"]
-            out += ["".join(f"[](){{#{name}}}" for name in declared[1:])]
-        out += [prose(comment, page, places)]
-        if code:
-            code = re.sub(r"^FFP_DEFAULTS\((\w+), (\w+)\)", r"\1 \2(void);", code.replace("FFP_API ", ""), flags=re.MULTILINE)
-            out += ["```c\n" + code.strip("\n") + "\n```"]
-    return "\n\n".join(out) + "\n"
+        code = re.sub(r"^FFP_DEFAULTS\((\w+), (\w+)\)", r"\1 \2(void);", code.replace("FFP_API ", ""), flags=re.MULTILINE)
+        shown = ["```c\n" + code.strip("\n") + "\n```"] if code else []
+        if not declared:
+            out += [prose(comment, page, places), *shown]
+            continue
+        own = places[declared[0]]
+        begin = [f"# {', '.join(f'`{name}`' for name in declared)}", f"In [{os.path.basename(path)}]({os.path.relpath(page, os.path.dirname(own))})."]
+        pages[own] = "\n\n".join([*begin, prose(comment, own, places), *shown]) + "\n"
+        first = re.match(r".*?\.(?= |$)|.*", comment, re.DOTALL).group()
+        out += [" ".join([", ".join(link_to(name, page, places) for name in declared) + ".", prose(first, page, places)])]
+    return {page: "\n\n".join(out) + "\n", **pages}
+
+
+def pages_of_python():
+    """A page that lists the modules' public names, and a page for each of them."""
+    out, pages = ["# Python API"], {}
+    for module in MODULES:
+        file = ROOT / "python" / module.replace(".", "/")
+        tree = ast.parse((file / "__init__.py" if file.is_dir() else file.with_suffix(".py")).read_text("utf-8"))
+        kinds = (ast.FunctionDef, ast.ClassDef)
+        public = [node.name for node in tree.body if isinstance(node, kinds) and not node.name.startswith("_")]
+        for node in tree.body:
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
+                public = [name for name in ast.literal_eval(node.value) if f"ffprocams.{name}" not in MODULES]
+        out += [f"::: {module}\n    options: {{members: false}}", ", ".join(f"[`{name}`](api/{module}.{name}.md)" for name in public)]
+        pages |= {f"python/api/{module}.{name}.md": f"# `{name}`\n\n::: {module}.{name}\n" for name in public}
+    return {"python/api.md": "\n\n".join(out) + "\n", **pages}
 
 
 def on_config(config):
@@ -80,9 +109,11 @@ def on_files(files, config):
     linked = {(ROOT / page).parent.joinpath(target).resolve() for page in tracked for target in LINK.findall((ROOT / page).read_text("utf-8"))}
     shown = tracked + sorted(str(path.relative_to(ROOT)) for path in linked if path.is_file() and path.suffix not in {".md", ".h"})
     pages = [File.generated(config, path, abs_src_path=str(ROOT / path)) for path in shown]
-    places = {name: f"{path}.md#{name}" for path, text in headers().items() for name in names(text)}
-    made = {f"{path}.md": page_of_header(text, f"{path}.md", places) for path, text in headers().items()}
-    made["python/api.md"] = "# Python API\n\n" + "".join(f"::: {module}\n\n" for module in MODULES)
+    declared = [names(code) for text in headers().values() for _, code in blocks(text)]
+    places = {name: f"include/ffprocams/{together[0]}.md" for together in declared for name in together}
+    made = pages_of_python()
+    for path, text in headers().items():
+        made |= pages_of_header(path, text, places)
     made["site.css"] = ".md-grid { max-width: 80rem; }\n"  # lines of code in the headers are long
     pages += [File.generated(config, path, content=content) for path, content in made.items()]
     return Files([*(file for file in files if file.src_dir != config.docs_dir), *pages])  # beside those of the theme

@@ -30,12 +30,13 @@ float srgb_decode(float encoded) {
 }
 vec3 srgb_decode(vec3 c) { return vec3(srgb_decode(c.r), srgb_decode(c.g), srgb_decode(c.b)); }
 
-// ffp_image_sample at a share of the picture: bilinear, held at the edges.
-vec4 linear_at(sampler2D picture, vec2 share) {
-  ivec2 size = textureSize(picture, 0);
+// ffp_image_sample at a share of the picture, of one of its mip levels: bilinear, held at the edges.
+vec4 linear_at(sampler2D picture, vec2 share, int lod) {
+  ivec2 size = textureSize(picture, lod);
   vec2 at = clamp(share * vec2(size) - 0.5, vec2(0.0), vec2(size - 1));
   ivec2 first = ivec2(at), next = min(first + 1, size - 1);
   vec2 w = at - vec2(first);
-  return mix(mix(texelFetch(picture, first, 0), texelFetch(picture, ivec2(next.x, first.y), 0), w.x),
-             mix(texelFetch(picture, ivec2(first.x, next.y), 0), texelFetch(picture, next, 0), w.x), w.y);
+  return mix(mix(texelFetch(picture, first, lod), texelFetch(picture, ivec2(next.x, first.y), lod), w.x),
+             mix(texelFetch(picture, ivec2(first.x, next.y), lod), texelFetch(picture, next, lod), w.x), w.y);
 }
+vec4 linear_at(sampler2D picture, vec2 share) { return linear_at(picture, share, 0); }

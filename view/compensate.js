@@ -8,8 +8,10 @@
 const TILE = [2048, 1024];                 // pixels drawn at once, at most
 const COARSE = 4;                          // pixels of the pattern a side for one of the maps, while things move
 const TARGET_MAX = 2048, SEEN_SIDE = 1024; // longer sides, pixels: of the target, of the camera's G-buffer
-const HOLE_MAX = 64;                       // pixels of the pattern over which others lend their levels
+const RIM_MAX = 64;                        // pixels of the pattern beyond the object's outline that take its levels
+const REACH_SHARE = 20;                    // of the longer side, as far as levels go on where the camera sees none (engine/apply/unseen.c)
 const FEATHER_SIDE = 512, FEATHER_SHARE = 20; // longer side of a feather; as many times its width, of engine/apply/surface.c
+const ROUNDS = 2;      // more, where light is scattered or spread: each takes off what the one before does (engine/apply/closed.c)
 const COUNT_SIDE = 64;                     // of the map in which projectors that overlap are counted
 
 // Each pixel's nearest one that is LIT in a texture, within the limits of near.frag; `kept` is a target to use again.
@@ -35,12 +37,12 @@ class Feather {
     const key = JSON.stringify(grid);
     if (key === this.key) return;
     this.key = '';
-    const {renderer} = this, {graphics, sumFormat} = renderer, {gl} = graphics, device = shadowDevice(grid, FEATHER_SIDE), depth = renderer.centreDepth(device);
+    const {renderer} = this, {graphics} = renderer, {gl} = graphics, device = shadowDevice(grid, FEATHER_SIDE), depth = renderer.centreDepth(device);
     const {width, height} = device, reach = Math.max(width, height) / FEATHER_SHARE;
-    const sums = graphics.target(width, height, [sumFormat, sumFormat, sumFormat, sumFormat]), [u_g0, u_g1, u_g2, u_g3] = sums.textures;
+    const sums = graphics.target(width, height, renderer.sumFormats);
     renderer.rasterise(sums, device, depth, 'splats.frag');
     const edges = graphics.target(width, height, [gl.RGBA16F]);
-    graphics.fill(edges, ['gbuffer.glsl', 'edges.frag'], {u_g0, u_g1, u_g2, u_g3, u_depth: depth, ...deviceUniforms('camera', device)});
+    graphics.fill(edges, ['gbuffer.glsl', 'edges.frag'], {...sumUniforms(sums, depth), ...deviceUniforms('camera', device)});
     const near = findNear(graphics, edges.textures[0], device, [reach + 1, reach + 1]);
     this.target = graphics.fit(this.target, width, height, [gl.RGBA16F]);
     graphics.fill(this.target, ['feather.frag'], {u_edges: edges.textures[0], u_near: near.textures[0], u_reach: reach});
@@ -64,19 +66,21 @@ class CorrectionMaps {
   draw(grid, camera, times, others) {
     if (this.holds(grid, camera, others)) return;
     this.key = ''; // until all is drawn
-    const {renderer} = this, {graphics, sumFormat} = renderer, {gl} = graphics;
+    const {renderer} = this, {graphics} = renderer, {gl} = graphics;
     const fineness = (d) => d.fx / Math.max(renderer.centreDepth(d), 0.1 * (renderer.scene.radius || 1));
     const wider = times * fineness(grid) / fineness(camera), longer = Math.max(camera.width, camera.height);
     this.target = shadowDevice(camera, Math.min(wider * longer, TARGET_MAX)); // about as fine as the pattern
-    this.maps = graphics.fit(this.maps, grid.width, grid.height, [gl.RGBA16F, gl.RGBA16F, gl.RG32F]);
-    const device = shadowDevice(camera, SEEN_SIDE / times), sums = graphics.target(device.width, device.height, [sumFormat, sumFormat, sumFormat, sumFormat]);
-    const [u_g0, u_g1, u_g2, u_g3] = sums.textures, seen = {u_g0, u_g1, u_g2, u_g3, u_depth: renderer.centreDepth(camera)};
+    this.maps = graphics.fit(this.maps, grid.width, grid.height, [gl.RGBA16F, gl.RGBA16F, gl.RG32F, ...(renderer.scatters ? [gl.RGBA16F] : [])]);
+    const device = shadowDevice(camera, SEEN_SIDE / times), sums = graphics.target(device.width, device.height, renderer.sumFormats);
+    const seen = sumUniforms(sums, renderer.centreDepth(camera));
     renderer.rasterise(sums, device, seen.u_depth, 'splats.frag');
     this.drawTiles(grid, seen);
     if (others.length) this.drawShares(grid, seen, others);
     else graphics.free(this.shares), this.shares = null;
     graphics.free(sums);
-    this.near = findNear(graphics, this.maps.textures[0], grid, [HOLE_MAX / times, clamp(wider, 1, HOLE_MAX) / times], this.near);
+    this.reach = Math.max(grid.width, grid.height, REACH_SHARE) / REACH_SHARE;
+    this.near = findNear(graphics, this.maps.textures[0], grid, [this.reach, clamp(wider, 1, RIM_MAX) / times], this.near);
+    this.known = graphics.fit(this.known, grid.width, grid.height, [gl.RGBA16F], false, Math.floor(Math.log2(Math.max(grid.width, grid.height))) + 1);
     this.most = others.length ? this.countMost() : 1;
     this.key = this.keyOf(grid, camera, others);
   }
@@ -124,13 +128,21 @@ class CorrectionMaps {
     return Math.max(1, counts.findLastIndex((n) => n && 100 * n >= lit));
   }
 
-  free() { for (const target of [this.maps, this.near, this.shares]) this.renderer.graphics.free(target); }
+  // The levels that the camera wants at the pixels that it sees, and their means.
+  want(values) {
+    const {graphics} = this.renderer, {gl} = graphics;
+    graphics.fill(this.known, ['wanted.frag'], values);
+    gl.bindTexture(gl.TEXTURE_2D, this.known.textures[0]);
+    gl.generateMipmap(gl.TEXTURE_2D);
+  }
+
+  free() { for (const target of [this.maps, this.near, this.known, this.shares]) this.renderer.graphics.free(target); }
 }
 
 class Compensator {
   constructor(renderer) { this.renderer = renderer; }
 
-  drawTarget(projector, {width, height}) {
+  drawTarget(projector, {width, height}, camera) {
     if (!this.canvas || this.canvas.width !== width || this.canvas.height !== height) {
       if (this.target) this.target.free();
       this.canvas = makeCanvas(width, height);
@@ -139,7 +151,7 @@ class Compensator {
     const context = this.canvas.getContext('2d');
     context.fillStyle = '#000'; // what is transparent, as around text and logos, is to stay dark
     context.fillRect(0, 0, width, height);
-    projector.draw(context, width, height);
+    projector.draw(context, width, height, camera);
     this.target.set(this.canvas);
   }
 
@@ -172,24 +184,40 @@ class Compensator {
     }
   }
 
+  // One texel: brightness times level, of all these projectors.
+  drawLevels(projectors, black) {
+    const {graphics} = this.renderer, {gl} = graphics;
+    this.levels = graphics.fit(this.levels, 1, 1, [gl.RGBA16F]);
+    graphics.clear(this.levels);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE);
+    for (const {level, brightness} of projectors)
+      graphics.fill(this.levels, ['sum.frag'], {u_level: level.textures[0], u_brightness: brightness, u_black: black});
+    gl.disable(gl.BLEND);
+    return this.levels.textures[0];
+  }
+
   // ffp_procams_closed_form: fills the projector's pattern. `others` share its light; dark projectors give the share `black`
   // of their white, of which up to `most` add up. Returns whether it is only a coarse one.
   solve(projector, camera, coarse, {others = [], black = 0, most = 1} = {}) {
     if (others.length) this.drawFeathers([projector, ...others]);
-    const {graphics} = this.renderer, {gl} = graphics, {pattern} = projector, made = this.mapsOf(projector, camera, coarse, others);
-    const [u_response, u_ambient, u_place] = made.maps.textures, framebuffer = gl.createFramebuffer(), [u_lights, u_whites] = made.shares ? made.shares.textures : [null, null];
-    this.drawTarget(projector, made.target);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, pattern.texture, 0);
-    graphics.fill({framebuffer, width: pattern.width, height: pattern.height}, ['pattern.frag'], {
-      u_response, u_ambient, u_place, u_near: made.near.textures[0], u_target: this.target.texture, u_paint: this.paintTexture(projector),
+    const {renderer} = this, {pattern, spread} = projector, made = this.mapsOf(projector, camera, coarse, others);
+    const [u_response, u_ambient, u_place, u_scattered = null] = made.maps.textures, [u_lights, u_whites] = made.shares ? made.shares.textures : [null, null];
+    this.drawTarget(projector, made.target, camera);
+    const values = {
+      u_scattered, u_response, u_ambient, u_place, u_near: made.near.textures[0], u_known: made.known.textures[0], u_reach: made.reach, u_target: this.target.texture, u_paint: this.paintTexture(projector),
       u_lights, u_whites, u_feather: made.shares ? projector.feather.texture : null, u_shared: !!made.shares, u_dark: [black, Math.min(1, black * most)],
       u_share: [made.maps.width / pattern.width, made.maps.height / pattern.height],
       u_look: projector.correction === 'paint', u_gain: 2 ** projector.gain, u_brightness: projector.brightness,
-    });
-    gl.deleteFramebuffer(framebuffer);
-    gl.bindTexture(gl.TEXTURE_2D, pattern.texture);
-    gl.generateMipmap(gl.TEXTURE_2D);
+    };
+    const rounds = (renderer.scatters || spread) && !projector.live ? ROUNDS : 0; // a film's frame begins with the one before
+    if (rounds) pattern.draw(['black.frag'], {});
+    for (let round = 0; round <= rounds; round++) {
+      for (const each of [projector, ...others]) renderer.drawSpread(each);
+      const now = {...values, ...renderer.patternUniforms(projector), u_level: renderer.scatters ? this.drawLevels([projector, ...others], black) : null};
+      made.want(now);
+      pattern.draw(['pattern.frag'], now);
+    }
     projector.most = made.most;
     return made === projector.maps.coarse;
   }

@@ -113,14 +113,37 @@ class VideoContent {
 
 const FONTS = ['system-ui', 'sans-serif', 'serif', 'monospace', 'cursive'], FONT_NAME = /^[\p{L}\p{N} ._-]{1,80}$/u, LINE = 1.15, TEXT_MAX = 2000;
 
+// The way a line runs, by its first strong letter (Unicode UAX #9, P2).
+const RIGHT_TO_LEFT = /[\u200f\p{Script=Hebrew}\p{Script=Arabic}\p{Script=Syriac}\p{Script=Thaana}\p{Script=Nko}\p{Script=Samaritan}\p{Script=Mandaic}\p{Script=Adlam}\p{Script=Hanifi_Rohingya}]/u;
+function directionOf(line) {
+  const [letter] = /[\p{L}\u200e\u200f]/u.exec(line) || [''];
+  return RIGHT_TO_LEFT.test(letter) ? 'rtl' : 'ltr';
+}
+
+// The first characters of a text, none of them cut in two.
+const clipText = (text) => text.slice(0, TEXT_MAX).replace(/[\ud800-\udbff]$/, '');
+
+// False if the browser draws a font as whatever it falls back to.
+function hasFont(name) {
+  const context = scratch('measure', 1, 1);
+  const width = (font) => {
+    context.font = `100px ${font}`;
+    return context.measureText('mmmiiiWWW 0123 אבג مرح あ漢 한 ก').width;
+  };
+  return FONTS.includes(name) || ['monospace', 'serif'].some((other) => width(`"${name}", ${other}`) !== width(other));
+}
+
 class TextContent {
   constructor(text, colour, font = FONTS[0]) {
     this.name = 'Text', this.text = text, this.colour = colour, this.font = font;
     this.lines = (text || ' ').split('\n');
     const context = scratch('measure', 1, 1);
     context.font = TextContent.style(100, font);
-    const widest = Math.max(1, ...this.lines.map((line) => context.measureText(line).width));
-    this.size = [widest / 0.9, 100 * LINE * this.lines.length / 0.9];
+    context.textBaseline = 'middle';
+    const sizes = this.lines.map((line) => context.measureText(line)), widest = Math.max(1, ...sizes.map(({width}) => width));
+    const half = Math.max(...sizes.map((size) => Math.max(size.actualBoundingBoxAscent, size.actualBoundingBoxDescent))); // of marks above one another, too
+    this.line = Math.max(LINE, 2 * 0.9 * half / 100);
+    this.size = [widest / 0.9, 100 * this.line * this.lines.length / 0.9];
   }
   static style(pixels, font) { return `700 ${pixels}px ${FONTS.includes(font) ? font : `"${font}"`}, system-ui, sans-serif`; }
   paint(context, width, height) {
@@ -128,7 +151,10 @@ class TextContent {
     context.scale(width / this.size[0] * this.size[1] / height, 1);
     context.textAlign = 'center', context.textBaseline = 'middle', context.fillStyle = this.colour;
     context.font = TextContent.style(s, this.font);
-    lines.forEach((line, i) => context.fillText(line, s * this.size[0] / 200, height / 2 + (i - (lines.length - 1) / 2) * LINE * s));
+    lines.forEach((line, i) => {
+      context.direction = directionOf(line);
+      context.fillText(line, s * this.size[0] / 200, height / 2 + (i - (lines.length - 1) / 2) * this.line * s);
+    });
   }
   free() {}
 }
@@ -271,9 +297,10 @@ async function contentOfFilm(file, name) {
   video.src = url;
   try {
     await loadVideo(video, name);
-  } catch (error) {
+    if (!video.videoWidth) throw new Error(); // it plays the sound alone
+  } catch {
     URL.revokeObjectURL(url);
-    throw error;
+    throw await refusalOf(file, name);
   }
   return new VideoContent(name, video, () => { video.pause(); URL.revokeObjectURL(url); });
 }
@@ -313,6 +340,16 @@ async function contentOfPicture(file, name) {
   return new PictureContent(name, bitmap);
 }
 
+// Drawing programs' own files, which no browser shows.
+const NATIVE = {kra: 'a Krita document', ora: 'an OpenRaster document', procreate: 'a Procreate document', xcf: 'a GIMP document', clip: 'a Clip Studio document',
+  psd: 'a Photoshop document', psb: 'a Photoshop document', afphoto: 'an Affinity document', afdesign: 'an Affinity document', af: 'an Affinity document',
+  ai: 'an Illustrator document', eps: 'a PostScript drawing', pdf: 'a PDF document', tga: 'a TGA picture', exr: 'an EXR picture', tif: 'a TIFF picture',
+  tiff: 'a TIFF picture', heic: 'a HEIC picture'};
+function nativeOf(name) {
+  const ending = name.replace(/^.*\./, '').toLowerCase(), what = Object.hasOwn(NATIVE, ending) && NATIVE[ending];
+  return what ? `${name} is ${what}: export it as PNG.` : null;
+}
+
 // A file, dropped, pasted or chosen, as content. Systems do not know the type of every film.
 async function contentOfFile(file) {
   const name = file.name || 'The picture';
@@ -320,7 +357,7 @@ async function contentOfFile(file) {
   if (file.type.startsWith('video/')) return contentOfFilm(file, name);
   const picture = await contentOfPicture(file, name);
   if (picture) return picture;
-  return contentOfFilm(file, name).catch(() => { throw new Message(`${name} is neither a picture nor a film that this browser reads.`); });
+  return contentOfFilm(file, name).catch((error) => { throw error.stays ? error : new Message(nativeOf(name) || `${name} is neither a picture nor a film that this browser reads.`); });
 }
 
 // The webcam, or a screen, window or tab. Browsers give them only to a hand that asks: a stage that comes back has it dark

@@ -2,13 +2,18 @@
 // Control from outside: addresses with values, as OSC messages and MIDI controls ask for them. No document, no drawing, down
 // to applyControl: tests run it alone.
 
-// '#' stands for a number from 1. A press acts on any value but 0, a switch takes 0 and 1 (none: the other state), a
-// range its numbers; of '/cue' the value is a name or a number. MIDI's values span a range.
+// '#' stands for a number from 1. The meaning of a message's first value (none: nothing, nil or an impulse was sent):
+//            none     number, true, false     text
+//   press    acts     acts unless 0, false    acts unless '0', 'off' and the like
+//   switch   turns    on unless 0, false      'on', '1', 'off', '0' and the like
+//   range    -        that number, in range   the number that it holds
+//   cue      -        whole: that cue         the cue of that name
+// Anything else is not understood. MIDI's values span a range; its keys act when pressed, its faders when they pass the middle.
 const CONTROLS = {
-  '/go': 'press', '/hold': 'press', '/back': 'press', '/cue': 'cue', '/cue/#': 'press', '/fade': [0, 60], '/blackout': 'switch', '/test': 'switch',
+  '/go': 'press', '/hold': 'press', '/back': 'press', '/cue': 'cue', '/cue/#': 'press', '/fade': [0, 60], '/blackout': 'switch', '/test': 'switch', '/level': [0, 1],
   '/projector/#/on': 'switch', '/projector/#/brightness': [-4, 4], '/projector/#/gain': [-4, 4], '/projector/#/layer/#/opacity': [0, 1],
   '/projector/#/layer/#/x': [-1, 1], '/projector/#/layer/#/y': [-1, 1], '/projector/#/layer/#/scale': [0.05, 4],
-  '/projector/#/layer/#/turn': [-180, 180], '/projector/#/layer/#/volume': [0, 1], '/projector/#/layer/#/play': 'switch',
+  '/projector/#/layer/#/turn': [-180, 180], '/projector/#/layer/#/speed': [-2, 2], '/projector/#/layer/#/size': [0, 1], '/projector/#/layer/#/volume': [0, 1], '/projector/#/layer/#/play': 'switch',
 };
 const BINDINGS_MAX = 200;
 
@@ -18,19 +23,79 @@ function controlAt(address) {
   return Object.hasOwn(CONTROLS, path) && numbers.length === path.split('#').length - 1 ? {path, numbers, kind: CONTROLS[path]} : null;
 }
 
-// The request of a message: {path, numbers, value}; null: none, as when a button is released.
-function readControl(address, values) {
-  const found = controlAt(address), [given] = values || [];
-  if (!found) return null;
-  const {path, numbers, kind} = found, pressed = given === undefined || (given !== 0 && given !== false);
-  if (kind === 'press') return pressed ? {path, numbers, value: true} : null;
-  if (kind === 'switch') return {path, numbers, value: given === undefined ? null : pressed};
-  if (kind === 'cue') return typeof given === 'string' || Number.isInteger(given) ? {path, numbers, value: given} : null;
-  return Number.isFinite(given) ? {path, numbers, value: Math.min(Math.max(given, kind[0]), kind[1])} : null;
+const WORDS = {1: true, on: true, true: true, yes: true, 0: false, off: false, false: false, no: false, '': false};
+
+// True, false, or null: neither.
+function truth(given) {
+  if (typeof given === 'boolean') return given;
+  if (typeof given === 'number') return given !== 0;
+  const word = String(given).trim().toLowerCase();
+  return typeof given === 'string' && Object.hasOwn(WORDS, word) ? WORDS[word] : null;
 }
 
-// A MIDI message, bytes, as {key, share}: the control's name and its value from 0 to 1; null: clocks and the like.
-function readMidi([status, first, second = 0]) {
+// The meaning of a value for each kind of control; undefined: it is not understood, null: a button is released.
+const MEANINGS = {
+  press: (given) => {
+    const is = given === undefined ? true : truth(given);
+    if (is === null) return typeof given === 'string' ? true : undefined; // a name, as some desks send first
+    return is || null;
+  },
+  switch: (given) => given === undefined ? 'turn' : truth(given) ?? undefined,
+  cue: (given) => typeof given === 'string' || Number.isInteger(given) ? given : undefined,
+  range: (given, [least, most]) => {
+    const number = typeof given === 'string' && given.trim() ? Number(given) : given;
+    return typeof number === 'number' && Number.isFinite(number) ? Math.min(Math.max(number, least), most) : undefined;
+  },
+};
+
+// The request of a message: {path, numbers, value}; null: none. A switch without a value has null, and turns.
+function readControl(address, values) {
+  const asked = understand(address, values);
+  return asked && !asked.why && asked.value !== null ? {...asked, value: asked.value === 'turn' ? null : asked.value} : null;
+}
+
+// The same with the value as MEANINGS has it, or {why} if the message is not understood.
+function understand(address, values) {
+  const found = controlAt(address), [given] = values || [];
+  if (!found) return {why: 'there is no such control'};
+  const {path, numbers, kind} = found, value = MEANINGS[Array.isArray(kind) ? 'range' : kind](given, kind);
+  return value === undefined ? {why: given === undefined ? 'it lacks a value' : `it cannot be ${JSON.stringify(given)}`} : {path, numbers, value};
+}
+
+// OSC's patterns: ? * [a-c] [!a] {this,that} within a part of the address.
+function isPattern(address) { return /[*?[{]/.test(address); }
+// The ends of what a part of a pattern may match of an address from there on.
+function patternEnds(part, address, at) {
+  const next = address[at], rest = address.slice(at);
+  if (part === '*') return Array.from({length: rest.split('/')[0].length + 1}, (_, i) => at + i);
+  if (part[0] === '{' && part.length > 1) return part.slice(1, -1).split(',').filter((word) => rest.startsWith(word)).map((word) => at + word.length);
+  if (next === undefined || (next === '/' && part !== '/')) return [];
+  if (part === '?' || part === next) return [at + 1];
+  if (part[0] !== '[' || part.length < 3) return [];
+  const not = part[1] === '!', set = part.slice(not ? 2 : 1, -1).match(/[^]-[^]|[^]/g) || [];
+  return set.some((of) => of[0] <= next && next <= of[of.length - 1]) !== not ? [at + 1] : [];
+}
+// Without regular expressions: a pattern comes from anybody.
+function matchesPattern(pattern, address) {
+  const parts = pattern.match(/\[[^\]]*\]|\{[^}]*\}|[^]/g) || [];
+  let ends = new Set([0]);
+  for (const part of parts) ends = new Set([...ends].flatMap((at) => patternEnds(part, address, at)));
+  return ends.has(address.length);
+}
+
+const lastShares = new Map();
+
+// A MIDI message, bytes, as {key, share, before}: the control's name, its value from 0 to 1 and the one before it; null:
+// clocks and the like.
+function readMidi(bytes, shares = lastShares) {
+  const heard = shareOfMidi(bytes);
+  if (!heard) return null;
+  const before = shares.get(heard.key) ?? 0;
+  shares.set(heard.key, heard.share);
+  return {...heard, before};
+}
+
+function shareOfMidi([status, first, second = 0]) {
   const channel = (status & 15) + 1, data = [first & 127, second & 127];
   switch (status & 0xf0) {
   case 0x80: return {key: `note ${channel} ${data[0]}`, share: 0};
@@ -42,13 +107,14 @@ function readMidi([status, first, second = 0]) {
   }
 }
 
-// The values that a MIDI control sends to an address. Keys and pads turn a switch when they are pressed, faders set it.
-function valuesOfMidi(address, {key, share}) {
+// The values that a MIDI control sends to an address. Keys and pads turn a switch when they are pressed, faders set it; a
+// fader or pedal presses once each time it passes the middle upwards.
+function valuesOfMidi(address, {key, share, before = 0}) {
   const found = controlAt(address), fader = /^(control|bend)/.test(key);
   if (!found) return null;
   if (Array.isArray(found.kind)) return [found.kind[0] + share * (found.kind[1] - found.kind[0])];
   if (found.kind === 'switch') return fader ? [share >= 0.5] : share > 0 ? [] : null;
-  return [fader ? share >= 0.5 : share > 0];
+  return [fader ? share >= 0.5 && before < 0.5 : share > 0];
 }
 
 function checkBindings(bindings) {
@@ -84,19 +150,47 @@ const DOES = {
   '/fade': (app, _, value) => { app.show.fade = value; },
   '/blackout': (app, _, value) => blackout(app, value === null ? !app.dark : value),
   '/test': (app, _, value) => { if (value === null || value !== app.test) testPicture(app); },
+  '/level': (app, _, level) => {
+    const {sound} = app.relief, {told} = sound;
+    sound.set(level);
+    if (told !== sound.told) app.changed('layers'); // the panel's line; what pulses is drawn anyway
+  },
   '/projector/#/on': onProjector((p, on) => { p.on = on === null ? !p.on : on; }),
   '/projector/#/brightness': onProjector((p, stops) => { p.stops = stops; }), '/projector/#/gain': onProjector((p, gain) => { p.gain = gain; }),
   '/projector/#/layer/#/opacity': place((opacity) => ({opacity})), '/projector/#/layer/#/x': place((x) => ({x})), '/projector/#/layer/#/y': place((y) => ({y})),
   '/projector/#/layer/#/scale': place((scale) => ({width: scale, height: scale})), '/projector/#/layer/#/turn': place((turn) => ({turn})),
   '/projector/#/layer/#/volume': (app, numbers, volume) => turnLayer(app, numbers, (layer) => { layer.film = {...layer.film, volume}; }),
+  '/projector/#/layer/#/speed': (app, [p, l], speed) => turnLayer(app, [p, l], (layer) => turnEffect(app, app.projectors[p], layer, {speed})),
+  '/projector/#/layer/#/size': (app, [p, l], size) => turnLayer(app, [p, l], (layer) => turnEffect(app, app.projectors[p], layer, {size})),
   '/projector/#/layer/#/play': (app, numbers, on) => turnLayer(app, numbers, ({source}) => { if (source.toggle && (on === null || on !== source.live)) source.toggle(); }),
 };
 
+// Keeps the last message from outside for the panel's line.
+function noteHeard(app, from, address, why) {
+  const heard = app.heard ||= {passed: 0, unread: 0};
+  heard.last = `${from}${address}`;
+  if (why) heard.passed++, heard.why = `${address}: ${why}`;
+  heard.drawn ||= setTimeout(() => { heard.drawn = 0; drawHeard(app); }, 200); // faders send many
+}
+
+function drawHeard(app) {
+  const {osc, last, passed = 0, unread = 0, why} = app.heard || {}, bad = passed + unread;
+  const parts = [osc ? `OSC: ${osc}` : 'OSC: by the studio, with --osc', last && `last ${last}`, bad && `${bad} not understood (${why})`];
+  $('osc').textContent = parts.filter(Boolean).join(' · ');
+}
+
 // Several changes that come at once are one step of undo.
-const applyControl = attempt(async (app, address, values) => {
-  const asked = readControl(address, values);
-  if (!asked) return;
-  await DOES[asked.path](app, asked.numbers, asked.value);
+const applyControl = attempt(async (app, address, values, from = '') => {
+  if (isPattern(address)) {
+    const meant = [...addressesOf(app)].filter((one) => matchesPattern(address, one));
+    for (const one of meant) await applyControl(app, one, values, from);
+    if (!meant.length) noteHeard(app, from, address, 'there is no such control');
+    return;
+  }
+  const {why, path, numbers, value} = understand(address, values);
+  noteHeard(app, from, address, why);
+  if (why || value === null) return;
+  await DOES[path](app, numbers, value === 'turn' ? null : value);
   clearTimeout(app.controlled);
   app.controlled = setTimeout(() => app.history.note(), 500);
 });
@@ -126,7 +220,11 @@ async function followStudio(app) {
     try {
       const answer = await (await fetch(`${studio[1]}control${known === null ? '' : `?known=${known}`}`)).json();
       if (!answer.osc) return;
-      if (known === null) $('osc').textContent = `OSC: ${answer.osc}`;
+      const heard = app.heard ||= {passed: 0, unread: 0};
+      if (heard.osc !== answer.osc || heard.unread !== answer.passed_over) {
+        Object.assign(heard, {osc: answer.osc, unread: answer.passed_over}, answer.passed_over ? {why: `${answer.passed_last || 'a packet'}: it cannot be read`} : {});
+        drawHeard(app);
+      }
       applyEvents(answer.events, (address, values) => applyControl(app, address, values));
       known = answer.number, failed = 0;
       if (answer.events.length || performance.now() - began > 100) continue;
@@ -171,7 +269,7 @@ class Midi {
       return;
     }
     const address = this.bindings[heard.key], values = address && valuesOfMidi(address, heard);
-    if (values) applyControl(this.app, address, values);
+    if (values) applyControl(this.app, address, values, `${heard.key} `);
   }
 
   forget(key) {

@@ -25,10 +25,10 @@ class Controls {
     element.addEventListener('pointerdown', (event) => this.down(event, element));
     element.addEventListener('pointermove', (event) => this.move(event));
     for (const end of ['pointerup', 'pointercancel']) element.addEventListener(end, (event) => this.up(event));
-    element.addEventListener('pointerleave', () => { app.pointer = null; app.redrawOverlay(); });
+    element.addEventListener('pointerleave', () => { app.pointer = null; if (app.choosing.on) app.choosing.hover(null); app.redrawOverlay(); });
     element.addEventListener('wheel', (event) => this.wheel(event), {passive: false});
     element.addEventListener('contextmenu', (event) => event.preventDefault());
-    element.addEventListener('dblclick', () => app.home());
+    element.addEventListener('dblclick', () => { if (!app.choosing.on) app.home(); });
   }
 
   // The projector whose handle lies under a place on the screen.
@@ -43,7 +43,7 @@ class Controls {
 
   chooseAction(event, at) {
     const {app} = this, aside = event.button === 2 || event.button === 1 || event.shiftKey;
-    const grabbed = this.handleAt(at);
+    const grabbed = app.show.armed && app.mode !== 'projector' ? null : this.handleAt(at);
     if (grabbed) {
       app.select(grabbed);
       return aside ? 'aim' : 'projector';
@@ -58,6 +58,7 @@ class Controls {
     const at = [event.clientX, event.clientY];
     element.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, at);
+    this.clicked = this.pointers.size === 1 && event.button === 0 ? at : null;
     if (this.pointers.size === 1) this.action = this.chooseAction(event, at);
     else this.action = this.action === 'projector' || this.action === 'aim' ? 'pinch-projector' : 'pinch';
     if (this.action === 'brush') this.app.stroke(at, null);
@@ -71,11 +72,14 @@ class Controls {
     this.app.pointer = at;
     if (!before) {
       if (this.app.mode === 'brush') this.app.redrawOverlay();
+      if (this.app.choosing.on) this.app.choosing.hover(this.app.choosing.pointUnder(at));
       return;
     }
     const others = [...this.pointers].filter(([id]) => id !== event.pointerId).map(([, place]) => place);
     this.pointers.set(event.pointerId, at);
     const dx = at[0] - before[0], dy = at[1] - before[1];
+    if (this.clicked && Math.hypot(at[0] - this.clicked[0], at[1] - this.clicked[1]) > CLICK) this.clicked = null;
+    if (this.clicked && this.app.choosing.on) return; // not yet a drag
     if (this.action.startsWith('pinch')) {
       if (others.length) this.pinch(before, at, others[0]);
     } else if (this.action === 'brush') this.app.stroke(at, before);
@@ -108,6 +112,8 @@ class Controls {
     this.pointers.delete(event.pointerId);
     if (this.action === 'nudge' && event.type === 'pointerup') this.app.endPull();
     this.app.pull = null;
+    const {choosing} = this.app;
+    if (this.clicked && choosing.on && event.type === 'pointerup') attempt(() => choosing.choose(choosing.pointUnder(this.clicked), event))();
     if (this.pointers.size === 0) this.action = null;
     else if (this.action && this.action.startsWith('pinch')) this.action = this.action === 'pinch' ? 'orbit' : 'projector';
   }

@@ -23,6 +23,7 @@ function readSplats(scene, bytes) {
   return {
     count: n, centre, scale: columns.slice(0, 3), rotation: columns.slice(3, 7), opacity: columns[7],
     albedo: columns.slice(8, 11), roughness: columns[11], ambient: columns.slice(12, 15),
+    scattered: columns.length > 15 ? columns.slice(15, 18) : null, // only where any light is
   };
 }
 

@@ -10,18 +10,28 @@ function payload(id) {
   return Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 }
 
+async function unpacked(id) {
+  const stream = new Blob([payload(id)]).stream().pipeThrough(new DecompressionStream('gzip'));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
 class Engine {
   constructor() {
     this.worker = null;
     this.waiting = null;
+    this.stops = 0;
     this.last = Promise.resolve(); // of the requests: the next is sent when it is answered
     this.tell = (said) => {};
+    this.ended = () => {};
   }
 
-  start() {
-    if (this.worker) return Promise.resolve();
+  async start() {
+    if (document.readyState === 'loading') await new Promise((done) => addEventListener('DOMContentLoaded', done)); // the engine stands at the page's end
     // Memory may be shared among threads where the page is isolated; opened from disk it is not.
     const many = self.crossOriginIsolated && navigator.hardwareConcurrency > 1 && $('threads.wasm'), module = many ? 'threads' : 'module';
+    const { stops } = this, wasm = this.worker ? null : await unpacked(`${module}.wasm`);
+    if (stops !== this.stops) throw new Message('Cancelled.');
+    if (this.worker) return;
     const script = new Blob([payload(`${module}.js`), $('engine_worker.js').textContent], { type: 'text/javascript' });
     this.worker = new Worker(URL.createObjectURL(script));
     this.worker.onmessage = ({ data }) => {
@@ -38,7 +48,7 @@ class Engine {
     };
     const threads = many ? { script: payload('threads.js'), worker: payload('threads.worker.js') } : null;
     document.body.dataset.threads = many ? navigator.hardwareConcurrency : 1;
-    return this.ask({ kind: 'start', wasm: payload(`${module}.wasm`), weights: payload('small.safetensors'), threads });
+    await this.ask({ kind: 'start', wasm, weights: payload('small.safetensors'), threads });
   }
 
   // One request at a time, in their order.
@@ -53,13 +63,16 @@ class Engine {
   }
 
   stop() {
+    this.stops++;
     if (this.worker) this.worker.terminate();
     if (this.waiting) this.waiting.fail(new Message('Cancelled.'));
     this.worker = this.waiting = null;
+    this.ended();
   }
 }
 
 const engine = new Engine();
+window.engine = engine; // the studio's, too, which is a frame of this page (studio_page.js)
 const state = { name: '', files: null, fault: null };
 const TRUTH = ['depth', 'normal', 'albedo', 'roughness', 'direct_white']; // of a view in scene.json
 
@@ -178,7 +191,8 @@ async function makeCapture(choices) {
     await engine.ask({ kind: 'put', files: state.files });
     state.put = engine.worker;
     showWork('Making a capture of the photographs');
-    state.folder = (await engine.ask({ kind: 'make', name: state.name, ...choices })).folder;
+    await engine.ask({ kind: 'command', words: captureWords(choices) });
+    state.folder = CAPTURE;
     await reconstruct(false);
   } catch (error) {
     $('photographs').hidden = false;
@@ -206,6 +220,40 @@ async function take(reading) {
   } catch (error) {
     showProblem(error);
   }
+}
+
+// The patterns in a window of their own, which has to be opened while the button is being pressed.
+async function showPatterns() {
+  if (!$('work').hidden) return;
+  const size = $('projector').value.trim(), beside = window.open('', '_blank');
+  try {
+    showWork('Drawing the patterns');
+    await engine.start();
+    await engine.ask({ kind: 'command', words: ['patterns', '--projector', size, '-o', '/made/patterns'] });
+    const { bytes } = await engine.ask({ kind: 'read', path: '/made/patterns/show.html' });
+    $('panel').value = size;
+    $('work').hidden = true;
+    if (!beside) throw new Message('The browser does not let this page open a window: allow it, and try again.');
+    beside.location = URL.createObjectURL(new Blob([bytes], { type: 'text/html' }));
+  } catch (error) {
+    if (beside) beside.close();
+    showProblem(error);
+  }
+}
+
+// The studio takes this page's place; its folder is the browser's own, which one page at a time works in.
+async function openStudio() {
+  if (!$('work').hidden) return; // something is being read or made
+  const alone = await new Promise((done) => {
+    if (!navigator.locks) done(true);
+    else navigator.locks.request('ffprocams studio', { ifAvailable: true }, (lock) => { done(!!lock); return lock ? new Promise(() => {}) : null; }).catch(() => done(true));
+  });
+  if (!alone) { showProblem(new Message('The studio is open in another window of this browser.')); return; }
+  if (navigator.storage && navigator.storage.persist) navigator.storage.persist().catch(() => {}); // asked for: what is photographed stays
+  engine.stop();
+  $('start').hidden = true;
+  $('studio').hidden = false;
+  $('studio').srcdoc = $('studio.html').textContent.replaceAll('<\\/script', '</script');
 }
 
 async function save(kind) {
@@ -241,11 +289,14 @@ $('zip-input').onchange = ({ target }) => {
 $('photographs').onsubmit = (event) => {
   event.preventDefault();
   try {
-    makeCapture(photographChoices());
+    makeCapture(photographChoices(state.files));
   } catch (error) {
     showProblem(error);
   }
 };
+$('calibration').onchange = $('shown').onchange = showFields;
+$('draw').onclick = showPatterns;
+$('open-studio').onclick = openStudio;
 $('checks').onclick = () => $('checks-dialog').showModal();
 $('cancel').onclick = () => engine.stop();
 $('force').onclick = () => reconstruct(true);

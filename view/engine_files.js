@@ -81,6 +81,44 @@ async function readZip(file) {
   return list;
 }
 
+const CRC = Uint32Array.from({ length: 256 }, (_, n) => {
+  let c = n;
+  for (let bit = 0; bit < 8; bit++) c = c & 1 ? 0xedb88320 ^ (c >>> 1) : c >>> 1;
+  return c;
+});
+
+function crc32(bytes) {
+  let c = ~0;
+  for (let i = 0; i < bytes.length; i++) c = CRC[(c ^ bytes[i]) & 255] ^ (c >>> 8);
+  return ~c >>> 0;
+}
+
+// A ZIP file (APPNOTE.TXT 6.3, 4.3) of {path, bytes}, as they are: pictures are packed already.
+function zipOf(files) {
+  const parts = [], directory = [];
+  let at = 0;
+  for (const { path, bytes } of files) {
+    const name = new TextEncoder().encode(path), about = new DataView(new ArrayBuffer(26));
+    if (at + bytes.length > 0xffffffff || files.length > 0xffff) throw new Message('More than 4 GB or 65,535 files do not fit into a ZIP file.');
+    [[0, 20], [2, 0x800], [8, 0x21], [22, name.length]].forEach(([offset, value]) => about.setUint16(offset, value, true)); // 2.0, UTF-8, 1980-01-01
+    [[10, crc32(bytes)], [14, bytes.length], [18, bytes.length]].forEach(([offset, value]) => about.setUint32(offset, value, true));
+    const local = about.buffer, central = new DataView(new ArrayBuffer(46));
+    central.setUint32(0, 0x02014b50, true);
+    central.setUint16(4, 20, true);
+    new Uint8Array(central.buffer).set(new Uint8Array(local), 6);
+    central.setUint32(42, at, true);
+    parts.push(Uint8Array.of(0x50, 0x4b, 3, 4), local, name, bytes); // and behind its signature the same in both headers
+    directory.push(central.buffer, name);
+    at += 30 + name.length + bytes.length;
+  }
+  const end = new DataView(new ArrayBuffer(22)), size = directory.reduce((sum, part) => sum + part.byteLength, 0);
+  end.setUint32(0, 0x06054b50, true);
+  for (const offset of [8, 10]) end.setUint16(offset, files.length, true);
+  end.setUint32(12, size, true);
+  end.setUint32(16, at, true);
+  return new Blob([...parts, ...directory, end.buffer], { type: 'application/zip' });
+}
+
 // All files under a dropped folder: by its handle, or by its entry in browsers that have none. (Chromium has entries too, but refuses to
 // read them in a page that was opened from disk.)
 async function walkHandle(handle, path, files) {

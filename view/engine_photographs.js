@@ -4,6 +4,8 @@
 
 const PHOTOGRAPH = /\.(png|jpe?g)$/i;
 
+const naturally = new Intl.Collator('en', { numeric: true }).compare; // as `import` orders views
+
 function folderOf(path) {
   return path.replace(/\/?[^/]*$/, '');
 }
@@ -19,7 +21,7 @@ function fillSelect(select, paths, likely, none) {
 function viewFolders(paths) {
   const views = new Map();
   let files = '';
-  for (const path of paths.filter((one) => PHOTOGRAPH.test(one)).sort()) {
+  for (const path of paths.filter((one) => PHOTOGRAPH.test(one)).sort(naturally)) {
     const [, before, view, name] = path.match(/^(.*\/(?:view-)?)(-?[\d.]+)\/([^/]+)$/) ?? [];
     if (!view) continue;
     files ||= `${before}{view}/*.${name.split('.').pop()}`;
@@ -30,26 +32,36 @@ function viewFolders(paths) {
 }
 
 // Of files that are neither a capture nor photographs from which one is made.
-function whyNothing(paths, calibrations) {
+function whyNothing(paths) {
   if (!paths.length) return 'There are no files in it.';
   if (paths.length === 1 && !paths[0].includes('/')) return `"${paths[0]}" is one file: drop the folder of a capture, or a ZIP file of it.`;
   const what = paths[0].includes('/') ? `"${paths[0].split('/')[0]}"` : 'This';
-  const photographs = paths.filter((path) => PHOTOGRAPH.test(path)).length;
-  return `${what} is not a capture: there is no scene.json (or render_poses.json) in it. To make one, the page needs photographs as PNG or JPEG files (found: ${photographs}) and a calibration as an .xml, .yml or .json file (found: ${calibrations}).`;
+  return `${what} is not a capture: there is no scene.json (or render_poses.json) in it. To make one, the page needs photographs as PNG or JPEG files: there are none.`;
 }
+
+// Angles that folders seem to be named by: 0, 45, .. rather than 1, 2, ..
+const likelyAngles = (angles) => (angles.length > 1 && angles.every((angle, i) => i === 0 || angle - angles[i - 1] > 1) ? angles.join(',') : '');
 
 function askAboutPhotographs(files) {
   const paths = files.map(({ path }) => path);
   const texts = paths.filter((path) => /\.(xml|ya?ml|json)$/i.test(path) && !/\/patterns\//.test(path));
-  if (!texts.length || !paths.some((path) => PHOTOGRAPH.test(path))) throw new Message(whyNothing(paths, texts.length));
+  if (!paths.some((path) => PHOTOGRAPH.test(path))) throw new Message(whyNothing(paths));
   const { files: images, angles } = viewFolders(paths);
-  fillSelect($('calibration'), texts, /calib|param|transforms|cameras/i);
-  fillSelect($('turntable'), texts, /axis|turntable/i, 'none: the object did not turn');
-  fillSelect($('shown'), [...new Set(paths.filter((path) => PHOTOGRAPH.test(path)).map(folderOf))], /patterns$/, 'as the calibration names them');
+  fillSelect($('calibration'), texts, /calib|param|transforms|cameras/i, 'none: the Gray codes in the photographs tell it');
+  fillSelect($('turntable'), texts, /axis|turntable/i, 'none');
+  fillSelect($('shown'), [...new Set(paths.filter((path) => PHOTOGRAPH.test(path)).map(folderOf))], /patterns$/, 'those that the program draws');
   $('images').value = images;
-  $('angles').value = angles.join(',');
+  $('angles').value = likelyAngles(angles);
+  showFields();
   $('photographs').hidden = false;
   $('photographs').scrollIntoView({ block: 'nearest' });
+}
+
+// Shows the fields that are needed with a calibration, or without.
+function showFields() {
+  const known = $('calibration').value !== '';
+  for (const id of ['turntable', 'images', 'response']) $(id).parentElement.hidden = !known;
+  $('panel').parentElement.hidden = $('panel').disabled = known || $('shown').value !== ''; // what is disabled is not checked
 }
 
 // "0,45,90" or "8x45" as numbers.
@@ -60,9 +72,22 @@ function readAngles(text) {
   return angles;
 }
 
-function photographChoices() {
+function photographChoices(files) {
+  const shown = $('shown').value, pictures = files.map(({ path }) => path).filter((path) => PHOTOGRAPH.test(path));
+  const folders = [...new Set(pictures.map(folderOf))].filter((folder) => folder !== shown);
   return {
-    calibration: $('calibration').value, turntable: $('turntable').value, angles: readAngles($('angles').value), shown: $('shown').value,
-    images: $('images').value.trim(), width: Number($('width').value) || 0, response: $('response').checked,
+    calibration: $('calibration').value, turntable: $('turntable').value, angles: readAngles($('angles').value), shown,
+    panel: $('panel').value.trim(), images: $('images').value.trim(), width: Number($('width').value) || 0, response: $('response').checked,
+    folders: folders.sort(naturally),
   };
+}
+
+const CAPTURE = '/made/capture';
+
+// The command that makes a capture of what was dropped: `import` where there is a calibration, otherwise `scan`, as far as that.
+function captureWords({ calibration, turntable, angles, shown, panel, images, width, response, folders }) {
+  const at = (path) => `/dropped/${path}`, option = (name, value) => (value ? [name, value] : []);
+  const common = [...angles.length ? [`--angles=${angles.join(',')}`] : [], ...option('--shown', shown && at(shown)), ...option('-w', width && String(width))];
+  if (!calibration) return ['scan', ...folders.map(at), ...common, ...shown ? [] : option('--projector', panel), '--to', 'import', '-o', '/made'];
+  return ['import', '-c', at(calibration), ...option('-t', turntable && at(turntable)), ...common, '-i', at(images), ...response ? ['--fit-response'] : [], '-o', CAPTURE];
 }

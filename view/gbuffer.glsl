@@ -1,6 +1,7 @@
 // The sums W b of one sample, in four textures of RGBA whose alpha is the opacity:
-// depth from u_depth, normal x y | normal z, albedo r g | albedo b, roughness, ambient r | ambient g b.
-uniform sampler2D u_g0, u_g1, u_g2, u_g3;
+// depth from u_depth, normal x y | normal z, albedo r g | albedo b, roughness, ambient r | ambient g b. Where splats scatter light
+// (SCATTERS) it is in a fifth.
+uniform sampler2D u_g0, u_g1, u_g2, u_g3, u_g4;
 uniform float u_depth;
 
 struct Sums {

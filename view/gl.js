@@ -1,6 +1,8 @@
 'use strict';
 // The graphics context, its programs, textures and targets.
 
+const FENCE_LOOK = 30; // ms
+
 class Graphics {
   constructor(canvas) {
     const gl = canvas.getContext('webgl2', {alpha: true, antialias: false, depth: false, premultipliedAlpha: true,
@@ -14,14 +16,29 @@ class Graphics {
     this.sideMax = gl.getParameter(gl.MAX_TEXTURE_SIZE); // pixels
     this.programs = new Map();
     this.empty = gl.createVertexArray();
+    this.defines = ''; // lines before every shader
     gl.disable(gl.DITHER);
+  }
+
+  // A promise of the moment at which the driver has drawn all that it was asked to; slow ones take long after the calls.
+  drawn() {
+    const {gl} = this, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    return new Promise((done) => {
+      const look = () => {
+        if (fence && !gl.isContextLost() && gl.clientWaitSync(fence, 0, 0) === gl.TIMEOUT_EXPIRED) return setTimeout(look, FENCE_LOOK);
+        gl.deleteSync(fence);
+        done();
+      };
+      look();
+    });
   }
 
   shader(type, names) {
     const {gl} = this;
     const text = names.map((name) => document.getElementById(name).textContent.trim()).join('\n');
     const shader = gl.createShader(type);
-    gl.shaderSource(shader, '#version 300 es\n' + text);
+    gl.shaderSource(shader, '#version 300 es\n' + this.defines + text);
     gl.compileShader(shader);
     if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost())
       throw new Error(names.join(' + ') + ': ' + gl.getShaderInfoLog(shader));
@@ -83,10 +100,21 @@ class Graphics {
     return texture;
   }
 
-  // Something to draw into: {width, height, textures, framebuffer}. `depth`: with a depth buffer.
-  target(width, height, formats, depth = false) {
+  // Does an upload of a canvas; colours are multiplied by alpha, or stay as they are. The state is set back afterwards: it holds
+  // for arrays too, and Firefox then refuses those of integers ("Unconvertible texel format").
+  unpack(premultiply, upload) {
+    const {gl} = this;
+    gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, premultiply);
+    upload();
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
+    gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.BROWSER_DEFAULT_WEBGL);
+  }
+
+  // Something to draw into: {width, height, textures, framebuffer}. `depth`: with a depth buffer. `levels`: of the mips.
+  target(width, height, formats, depth = false, levels = 1) {
     const {gl} = this, framebuffer = gl.createFramebuffer();
-    const textures = formats.map((format) => this.texture(width, height, format));
+    const textures = formats.map((format) => this.texture(width, height, format, levels));
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     textures.forEach((texture, i) =>
       gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0 + i, gl.TEXTURE_2D, texture, 0));
@@ -105,11 +133,21 @@ class Graphics {
     return target;
   }
 
+  // True if it draws into textures of these formats at once.
+  draws(formats) {
+    const {gl} = this, framebuffer = gl.createFramebuffer(), textures = formats.map((format) => this.texture(1, 1, format));
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+    textures.forEach((texture, i) => gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0 + i, gl.TEXTURE_2D, texture, 0));
+    const whole = gl.checkFramebufferStatus(gl.FRAMEBUFFER) === gl.FRAMEBUFFER_COMPLETE;
+    this.free({textures, framebuffer});
+    return whole;
+  }
+
   // The target again if it fits, otherwise a new one in its place.
-  fit(target, width, height, formats, depth = false) {
+  fit(target, width, height, formats, depth = false, levels = 1) {
     if (target && target.width === width && target.height === height) return target;
     this.free(target);
-    return this.target(width, height, formats, depth);
+    return this.target(width, height, formats, depth, levels);
   }
 
   free(target) {

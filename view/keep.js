@@ -2,7 +2,8 @@
 // A person's work as plain data: projectors, their layers, paint, cues and the view. From it come undo,
 // the stage's file, and what the browser keeps.
 
-const STAGE_FORMAT = 'ffprocams stage', PROJECTORS_MAX = 16, CUES_MAX = 200, CORRECTIONS = ['none', 'paint', 'colours'], KEEP_AFTER = 1500; // ms
+const STAGE_FORMAT = 'ffprocams stage', PROJECTORS_MAX = 16, CUES_MAX = 200, CORRECTIONS = ['none', 'paint', 'colours'], KEEP_AFTER = 1500, SHOW_KEPT_AFTER = 50, FILMS_KEPT = 2000; // ms
+const FILES = ' files'; // beside a stage in the store: they are written only when others come
 const BLACK_MOST = 0.1;
 
 // Pictures and films that were brought in, the webcam and screens: each keeps its tile, and its file.
@@ -50,14 +51,16 @@ function describeContent(app, content) {
   if (content instanceof TestContent) return {test: content.name};
   if (content instanceof TextContent) return {text: content.text, colour: content.colour, font: content.font};
   if (content instanceof SolidContent) return {colour: content.colour};
+  if (content instanceof EffectContent) return content.description;
   if (content.pattern !== undefined) return {pattern: app.scene.patterns[content.pattern].name};
   return {file: content.file};
 }
 
 async function contentOf(app, described) {
-  const {test, text, colour, font, pattern, file} = described || {};
+  const {test, text, colour, font, pattern, file, effect} = described || {};
   if (test !== undefined && Object.hasOwn(TEST_PATTERNS, test)) return new TestContent(test);
-  if (text !== undefined) return new TextContent(String(text).slice(0, TEXT_MAX), checkColour(colour), FONT_NAME.test(font) ? font : FONTS[0]);
+  if (text !== undefined) return new TextContent(clipText(String(text)), checkColour(colour), FONT_NAME.test(font) ? font : FONTS[0]);
+  if (effect !== undefined && Object.hasOwn(EFFECTS, effect)) return new EffectContent(effect, checkColour(colour), described);
   if (colour !== undefined) return new SolidContent(checkColour(colour));
   if (file !== undefined && app.library.find(file)) return app.library.find(file).content;
   const index = app.scene.patterns.findIndex((p) => p.name === pattern);
@@ -66,7 +69,7 @@ async function contentOf(app, described) {
 
 const checkColour = (colour) => /^#[0-9a-f]{6}$/i.test(colour) ? colour : '#ffffff';
 
-const describeLayers = (app, layers) => layers.map(({source, fit, place, film}) => ({source: describeContent(app, source), fit, place: structuredClone(place), film: {...film}}));
+const describeLayers = (app, layers) => layers.map(({source, fit, place, film, on}) => ({source: describeContent(app, source), fit, place: structuredClone(place), film: {...film}, on}));
 
 // Layers as they were described; sources that `present` layers have are theirs, each of them once.
 async function layersOf(app, described, present = []) {
@@ -97,22 +100,23 @@ function paintOf(projector) {
 function stateOf(app) {
   const projectors = app.projectors.map((p) => ({
     device: p.device, on: p.on, stops: p.stops, correction: p.correction, watcher: p.watcher, gain: p.gain,
-    layers: describeLayers(app, p.layers), at: p.at, paint: paintOf(p), window: p.window.where,
+    layers: describeLayers(app, p.layers), at: p.at, paint: paintOf(p), pixels: p.pixels, found: p.found, window: p.window.where && {...p.window.where, id: p.window.id},
   }));
   return {
     projectors, selected: app.projectors.indexOf(app.projector), exposure: app.exposure, ambient: app.ambient, black: app.black,
-    cues: structuredClone(app.show.cues), midi: app.midi.bindings, view: app.scene.views.indexOf(app.at), pose: app.pose, target: app.target,
+    surfaces: app.relief.surfaces, cues: structuredClone(app.show.cues), midi: app.midi.bindings, view: app.scene.views.indexOf(app.at), pose: app.pose, target: app.target,
   };
 }
 
 // Two states are the same to undo if they differ in the view and in what is selected only.
 function sameWork(a, b) {
-  const work = (s) => JSON.stringify([s.projectors.map((p) => ({...p, paint: null, at: 0, window: null})), s.exposure, s.ambient, s.black, s.cues, s.midi]);
+  const work = (s) => JSON.stringify([s.projectors.map((p) => ({...p, paint: null, at: 0, window: null})), s.exposure, s.ambient, s.black, s.surfaces, s.cues, s.midi]);
   return work(a) === work(b) && a.projectors.every((p, i) => p.paint === b.projectors[i].paint);
 }
 
 // Makes the page show a state; of undo and redo the view stays.
 async function applyState(app, state, withView) {
+  if (state.projectors.length !== app.projectors.length) app.inShow('there would be another number of projectors');
   const layers = await Promise.all(state.projectors.map((p, i) => layersOf(app, p.layers, app.projectors[i] && app.projectors[i].layers)));
   app.endComparison();
   while (app.projectors.length < state.projectors.length) app.addProjector();
@@ -123,18 +127,22 @@ async function applyState(app, state, withView) {
   state.projectors.forEach((kept, i) => {
     const p = app.projectors[i];
     const {on, stops, correction, watcher, gain} = kept;
+    p.device = {...kept.device};
+    p.setFound(kept.found || null, app.scene.panel);
+    p.setPixels(kept.pixels || null);
     app.setLayers(layers[i], p);
     Object.assign(p, {on, stops, correction, watcher, gain, device: {...kept.device}, at: clamp(kept.at, 0, layers[i].length - 1)});
     if (paintOf(p) !== kept.paint) {
       p.clearPaint();
       if (kept.paint) {
-        p.paint.getContext('2d').drawImage(kept.paint, 0, 0);
+        p.paint.getContext('2d').drawImage(kept.paint, 0, 0, p.paint.width, p.paint.height);
         p.painted = true, p.paintCopy = kept.paint, p.paintCopied = ++p.paintVersion; // the same paint, not another
       }
     }
     p.dirty = true, p.pulls = [];
   });
   app.exposure = state.exposure, app.ambient = state.ambient, app.black = state.black;
+  app.relief.surfaces = state.surfaces; // nobody changes them in place
   app.show.cues = structuredClone(state.cues);
   app.midi.bindings = {...state.midi};
   app.show.at = Math.min(app.show.at, app.show.cues.length - 1);
@@ -143,9 +151,12 @@ async function applyState(app, state, withView) {
     app.jump(app.scene.views[state.view], false);
     app.pose = state.pose, app.target = state.target;
     if (app.show.armed) app.show.seat = app.seat();
-    state.projectors.forEach(({window: where}, i) => { if (where) app.projectors[i].window.where = where; });
+    state.projectors.forEach(({window: kept}, i) => {
+      const {id, ...where} = kept || {}, own = app.projectors[i].window;
+      if (kept && !own.isOpen) Object.assign(own, {id, where});
+    });
   }
-  for (const what of ['content', 'device', 'settings', 'cues', 'midi']) app.changed(what);
+  for (const what of ['surfaces', 'content', 'device', 'settings', 'cues', 'midi']) app.changed(what);
   app.invalidate();
 }
 
@@ -196,7 +207,8 @@ function bytesToText(bytes) {
 
 // Paint as PNG in base64, so that it can be written down.
 function plainState(state) {
-  return {...state, projectors: state.projectors.map((p) => ({...p, paint: p.paint && p.paint.toDataURL('image/png').split(',')[1]}))};
+  const text = (paint) => paint.text = paint.text || paint.toDataURL('image/png').split(',')[1]; // a copy stays as it is (paintOf)
+  return {...state, projectors: state.projectors.map((p) => ({...p, paint: p.paint && text(p.paint)}))};
 }
 
 async function stageText(app) {
@@ -253,6 +265,32 @@ function checkPlace(p) {
   return place;
 }
 
+const triple = (field, value, low, high) => {
+  const three = list(field, value, 3).map((x) => number(field, x, low, high));
+  if (three.length !== 3) throw new Message(`The stage's ${field} has not three numbers.`);
+  return three;
+};
+
+function checkSurface(surface) {
+  const {id, name, parts} = surface || {};
+  return {
+    id: Math.round(number('surfaces: id', id, 1, 1e6)), name: String(name || 'Surface').slice(0, SURFACE_NAME_MAX),
+    parts: list('surfaces: parts', parts, PARTS_MAX).map((part) => ({
+      points: list('surfaces: points', part && part.points, POINTS_MAX).map((point) => triple('surfaces: points', point, -1e9, 1e9)),
+      normal: triple('surfaces: normal', part.normal, -1, 1), albedo: triple('surfaces: albedo', part.albedo, 0, 1),
+      tolerance: number('surfaces: tolerance', part.tolerance, 0, 1), take: part.take === true,
+    })),
+  };
+}
+
+// Those of a stage; every id is one surface's.
+function checkSurfaces(surfaces) {
+  const checked = list('surfaces', surfaces, SURFACES_MAX).map(checkSurface);
+  if (new Set(checked.map(({id}) => id)).size !== checked.length) throw new Message("The stage's surfaces: id is there twice.");
+  if (checked.some(({parts}) => !parts.length || parts.some(({points}) => !points.length))) throw new Message("The stage's surfaces: parts or points are none.");
+  return checked;
+}
+
 // Layers of a projector or a cue; stages once had one content in their place.
 function checkLayers({layers, content, fit = 'contain'}) {
   const checked = list('layers', layers || [{source: content, fit}], LAYERS_MAX).map((layer) => {
@@ -260,32 +298,43 @@ function checkLayers({layers, content, fit = 'contain'}) {
     return {
       source: layer.source || null, fit: oneOf('layers: fit', layer.fit, ['contain', 'cover', 'stretch']), place: checkPlace({...newPlace(), ...layer.place}),
       film: {volume: number('layers: volume', film.volume, 0, 1), from: number('layers: from', film.from, 0, 1e6), to: number('layers: to', film.to, 0, 1e6)},
+      on: layer.on === null || layer.on === undefined ? null : number('layers: on', layer.on, 1, 1e6),
     };
   });
   if (!checked.length) throw new Message("The stage's layers are none.");
   return checked;
 }
 
-const checkWindow = ({left, top, width, height, full}) => ({
+const PIXELS = [64, 8192]; // of a panel's side
+function checkPixels(pixels) {
+  const checked = list('projectors: pixels', pixels, 2).map((side) => Math.round(number('projectors: pixels', side, ...PIXELS)));
+  if (checked.length !== 2) throw new Message("The stage's projectors: pixels are not two.");
+  return checked;
+}
+
+const checkWindow = ({left, top, width, height, full, id}) => ({
   left: number('window: left', left, -1e5, 1e5), top: number('window: top', top, -1e5, 1e5),
   width: number('window: width', width, 1, 1e5), height: number('window: height', height, 1, 1e5), full: full === true,
+  id: /^[0-9a-z]{1,32}$/.test(id) ? id : null,
 });
 
 // A state from a file or from the browser's store.
 async function checkState(app, plain) {
-  const size = app.projectors[0].device, projectors = [];
-  for (const p of list('projectors', plain.projectors, PROJECTORS_MAX))
+  const own = app.projectors.find(({found}) => !found) || app.projectors[0], size = own.found ? app.scene.views[0].projector : own.device, projectors = [];
+  for (const p of list('projectors', plain.projectors, PROJECTORS_MAX)) {
+    const [width, height] = p.found ? checkPixels([p.found.width, p.found.height]) : [size.width, size.height], found = p.found ? checkDevice(p.found, {width, height}) : null;
     projectors.push({
-      device: checkDevice(p.device, size), on: p.on !== false, stops: number('projectors: stops', p.stops, -20, 20),
+      device: checkDevice(p.device, {width, height}), found, on: p.on !== false, stops: number('projectors: stops', p.stops, -20, 20),
       gain: number('projectors: gain', p.gain, -20, 20), layers: checkLayers(p), at: number('projectors: at', p.at || 0, 0, LAYERS_MAX),
       correction: oneOf('projectors: correction', p.correction, CORRECTIONS),
-      watcher: app.scene.views[p.watcher] ? p.watcher : 'now', paint: await checkPaint(p.paint, app.projectors[0].paint),
-      window: p.window ? checkWindow(p.window) : null,
+      watcher: app.scene.views[p.watcher] ? p.watcher : 'now', paint: await checkPaint(p.paint, own.paint),
+      pixels: p.pixels ? checkPixels(p.pixels) : null, window: p.window ? checkWindow(p.window) : null,
     });
+  }
   if (!projectors.length) throw new Message('The stage has no projectors.');
   return {
     projectors, selected: number('selected', plain.selected, 0, PROJECTORS_MAX), exposure: number('exposure', plain.exposure, -20, 20),
-    ambient: plain.ambient !== false, black: number('black', plain.black || 0, 0, BLACK_MOST), cues: list('cues', plain.cues || [], CUES_MAX).map(checkCue), midi: checkBindings(plain.midi),
+    ambient: plain.ambient !== false, black: number('black', plain.black || 0, 0, BLACK_MOST), surfaces: checkSurfaces(plain.surfaces || []), cues: list('cues', plain.cues || [], CUES_MAX).map(checkCue), midi: checkBindings(plain.midi),
     view: number('view', plain.view, 0, 1e6), pose: checkDevice({...size, pose: plain.pose}, size).pose,
     target: list('target', plain.target, 3).map((x) => number('target', x, -1e9, 1e9)),
   };
@@ -311,6 +360,18 @@ async function loadStage(app, text) {
   }
   await applyState(app, state, true);
   app.history.note();
+  const missing = fontsOf(plain).filter((font) => !hasFont(font));
+  if (missing.length) say(`Not on this computer: the font${missing.length > 1 ? 's' : ''} ${missing.join(', ')}. The text is shown in another.`);
+}
+
+// The fonts of a stage's texts, those of cues, too.
+function fontsOf(stage) {
+  const fonts = new Set();
+  JSON.stringify({...stage, files: null}, (key, value) => {
+    if (key === 'font' && FONT_NAME.test(value)) fonts.add(value);
+    return value;
+  });
+  return [...fonts];
 }
 
 function offer(blob, name) {
@@ -328,7 +389,7 @@ async function saveStage(app) {
 // The picture for the real projector, as its window shows it.
 function savePattern(app) {
   app.updatePatterns();
-  const {width, height, data} = panelPicture(app.graphics, app.projector, app.scene.panel, app.exported = app.exported || {});
+  const {width, height, data} = panelPicture(app.graphics, app.projector, app.projector.panel, app.exported = app.exported || {});
   const canvas = makeCanvas(width, height);
   canvas.getContext('2d').putImageData(new ImageData(data, width, height), 0, 0);
   const name = `${app.scene.name || 'object'}-projector-${app.projector.number}.png`;
@@ -341,11 +402,18 @@ function savePattern(app) {
 
 // --- The browser's store. ---
 
+const STORE_PATIENCE = 10000; // ms
+
 // Keeps the stage of each page by what it shows; where the browser stores nothing (private windows), nothing is kept.
 class Store {
   constructor(app) {
-    this.app = app, this.key = JSON.stringify([app.scene.name, app.scene.splats.count, app.scene.high]);
-    app.listeners.push((what) => { if (what === 'history') this.soon(); });
+    // the studio's object is drafted, made finer and made again under one name
+    this.app = app, this.key = JSON.stringify([app.scene.name, ...(location.protocol === 'file:' ? [app.scene.splats.count, app.scene.high] : [])]);
+    app.listeners.push((what) => {
+      if (what === 'history') this.soon();
+      if (what === 'cues' || what === 'windows') this.soon(SHOW_KEPT_AFTER);
+    });
+    setInterval(() => { if (app.show.armed && app.playing) this.keep(); }, FILMS_KEPT); // where films are
   }
 
   open() {
@@ -354,6 +422,7 @@ class Store {
       request.onupgradeneeded = () => request.result.createObjectStore('stages');
       request.onsuccess = () => resolve(request.result);
       request.onerror = () => reject(request.error);
+      setTimeout(() => reject(new Error('The browser\u2019s store does not answer.')), STORE_PATIENCE); // as WebKit's at times
     });
   }
 
@@ -370,31 +439,39 @@ class Store {
     }
   }
 
-  soon() {
+  soon(after = KEEP_AFTER) {
+    const due = performance.now() + after;
+    if (this.timer && this.due < due) return;
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.keep(), KEEP_AFTER);
+    this.due = due, this.timer = setTimeout(() => this.keep(), after);
   }
 
   async keep() {
-    const {app} = this, files = app.library.entries.map(({id, name, blob, live}) => ({id, name, blob, live}));
-    const kept = {text: JSON.stringify(plainState(stateOf(app))), files};
-    await this.transact('readwrite', (store) => store.put(kept, this.key)).then(() => { app.kept = (app.kept || 0) + 1; }, () => {});
+    clearTimeout(this.timer), this.timer = 0;
+    const {app} = this, files = app.library.entries.map(({id, name, blob, live}) => ({id, name, blob, live})), ids = files.map(({id}) => id).join();
+    const text = JSON.stringify({...plainState(stateOf(app)), show: app.show.state});
+    await this.transact('readwrite', (store) => {
+      if (this.files !== ids) store.put(files, this.key + FILES);
+      return store.put({text}, this.key);
+    }).then(() => { this.files = ids, app.kept = (app.kept || 0) + 1; }, () => {});
   }
 
   // The page as it was left, if this browser kept it; false: it did not.
   async restore() {
-    const kept = await this.transact('readonly', (store) => store.get(this.key)).catch(() => null);
+    const [kept, files] = await Promise.all(['', FILES].map((part) => this.transact('readonly', (store) => store.get(this.key + part)).catch(() => null)));
     if (!kept) return false;
-    const state = await checkState(this.app, JSON.parse(kept.text));
-    for (const {id, name, blob, live} of kept.files)
+    const plain = JSON.parse(kept.text), state = await checkState(this.app, plain), show = plain.show && checkShow(plain.show);
+    for (const {id, name, blob, live} of files || kept.files || []) // stages once had theirs with them
       if (live) this.app.library.addStream(new StreamContent(live), id);
       else await this.app.library.take(new File([blob], name, {type: blob.type}), id).catch(() => null);
     await applyState(this.app, state, true);
+    if (show) this.app.show.resume(show);
     return true;
   }
 
   forget() {
     clearTimeout(this.timer);
-    return this.transact('readwrite', (store) => store.delete(this.key)).catch(() => {});
+    this.timer = 0, this.files = undefined;
+    return this.transact('readwrite', (store) => { store.delete(this.key + FILES); return store.delete(this.key); }).catch(() => {});
   }
 }

@@ -1,13 +1,13 @@
 'use strict';
 // A projector shows layers, the last one on top: each has a source (contents.js), a place (place.js), and of a film
-// the sound and the part that is played.
+// the sound and the part that is played; `on` is the surface (surfaces.js) that it is confined to, by its id, or null.
 
 const LAYERS_MAX = 16, WARP_MAX = 4096; // of a pulled source, pixels a side
 const newFilm = () => ({volume: 1, from: 0, to: 0}); // seconds; to 0: to its end
 
 class Layer {
-  constructor(source, {fit = 'contain', place = newPlace(), film = newFilm()} = {}) {
-    this.source = source, this.fit = fit, this.place = structuredClone(place), this.film = {...film};
+  constructor(source, {fit = 'contain', place = newPlace(), film = newFilm(), on = null} = {}) {
+    this.source = source, this.fit = fit, this.place = structuredClone(place), this.film = {...film}, this.on = on;
   }
   frame(width, height) { return layerFrame(this.place, this.source.size, this.fit, width, height); }
 }
@@ -74,8 +74,7 @@ function drawPulled(graphics, context, layer, frame) {
   paintCut(flat, layer, w, h);
   graphics.warped = graphics.warped || gl.createTexture();
   gl.bindTexture(gl.TEXTURE_2D, graphics.warped);
-  gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
-  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, flat.canvas);
+  graphics.unpack(true, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, flat.canvas));
   gl.generateMipmap(gl.TEXTURE_2D);
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
   for (const side of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, side, gl.CLAMP_TO_EDGE);
@@ -103,15 +102,30 @@ function drawStraight(context, layer, frame) {
   context.restore();
 }
 
-// Draws layers over what a canvas shows. `sound`: the share of their films' volumes.
-function drawLayers(graphics, context, layers, width, height, sound = 1) {
-  for (const layer of layers) {
-    const frame = layer.frame(width, height), {opacity} = layer.place;
+// An effect lies where the object is: of its place only what is cut away and how opaque it is count.
+const unmoved = ({crop, mask, opacity, feather}) => ({...newPlace(), crop, mask, opacity, feather});
+
+// An effect's layer as a picture for a device.
+function effectLayer({source, place}, relief, device, width, height) {
+  const picture = relief.effect(source, device, width, height);
+  return new Layer({size: null, paint: (context, w, h) => context.drawImage(picture, 0, 0, w, h)}, {place: unmoved(place)});
+}
+
+// Draws layers over what a canvas shows, which is the picture of a device. `sound`: the share of their films' volumes.
+function drawLayers(graphics, context, layers, width, height, relief, device, sound = 1) {
+  for (const given of layers) {
+    const layer = given.source instanceof EffectContent ? effectLayer(given, relief, device, width, height) : given;
+    const frame = layer.frame(width, height), {opacity} = layer.place, surface = given.on === null ? null : relief.find(given.on);
     if (layer.source.video) layer.source.follow(layer.film, sound);
-    const own = opacity < 1 ? scratch('layer', width, height) : context; // patterns draw over themselves
+    const own = opacity < 1 || surface ? scratch('layer', width, height) : context; // patterns draw over themselves
     if (isPulled(layer.place)) drawPulled(graphics, own, layer, frame);
     else drawStraight(own, layer, frame);
     if (own === context) continue;
+    if (surface) {
+      own.globalCompositeOperation = 'destination-in';
+      own.drawImage(relief.mask(surface, device, width, height), 0, 0);
+      own.globalCompositeOperation = 'source-over';
+    }
     context.save();
     context.globalAlpha = opacity;
     context.drawImage(own.canvas, 0, 0);

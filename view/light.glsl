@@ -5,6 +5,8 @@ uniform vec3 camera_position, projector_position;
 uniform vec2 camera_focal, camera_principal, camera_size;
 uniform vec2 projector_focal, projector_principal, projector_size;
 uniform sampler2D u_shadow, u_pattern;
+uniform sampler2D u_wide; // the pattern through a wide Gaussian (wide.frag)
+uniform vec3 u_spread;    // the share of the pattern's light that is spread so; 0: none
 uniform float u_shadow_depth, u_shadow_bias;
 uniform bool u_shadows, u_footprint;
 uniform int u_levels;                         // of the pattern's mip map
@@ -112,6 +114,12 @@ vec3 box_mean(vec2 at, vec2 extent) {
   return sum / (area.x * area.y);
 }
 
+// The pattern as it reaches the surface: ffp_image_spread.
+vec3 light_shown(vec2 at, vec2 extent) {
+  vec3 sharp = box_mean(at, extent);
+  return u_spread == vec3(0.0) ? sharp : mix(sharp, textureLod(u_wide, at / projector_size, 0.0).rgb, u_spread);
+}
+
 // ffp_lobe: D F V
 float lobe(float roughness, float nl, float nv, float nh, float vh) {
   float a = roughness * roughness, a2 = a * a, k = (roughness + 1.0) * (roughness + 1.0) / 8.0;
@@ -145,5 +153,5 @@ vec3 light_pixel(ivec2 p, Sums s, Mapped m) {
   float distance = length(l);
   vec3 reflection = reflected(s, v, l / distance);
   if (reflection == vec3(0.0)) return vec3(0.0);
-  return reflection * m.visibility * u_intensity / (distance * distance) * mix(box_mean(m.uv, m.extent), vec3(1.0), u_black);
+  return reflection * m.visibility * u_intensity / (distance * distance) * mix(light_shown(m.uv, m.extent), vec3(1.0), u_black);
 }

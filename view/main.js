@@ -5,6 +5,7 @@
 // best that is fast enough.
 const QUALITIES = [{scale: 1, coarse: false}, {scale: 1, coarse: true}, {scale: 0.6, coarse: true}, {scale: 0.35, coarse: true}];
 const SLOW = 55, FAST = 18; // milliseconds a frame
+const DRIVER_FAILED = 'ffprocams graphics driver failed', BEGIN_AGAIN = 20000; // ms
 const FILLED = 0.88;       // share of the free part that the view's frame takes
 const OBJECT_SHARE = 0.42; // of the free height, while layers are placed in the projector's picture below
 
@@ -26,8 +27,11 @@ class App {
     this.compensator = new Compensator(this.renderer);
     this.library = new Library(this);
     this.show = new Show(this);
+    this.listeners = [];
+    this.windows = new Windows(this);
     this.midi = new Midi(this);
     this.up = this.findUp();
+    this.relief = new Relief(this.renderer, this.up);
     this.exposure = 0, this.ambient = true, this.map = null;
     this.black = 0;           // the share of their white that dark projectors give
     this.dark = this.test = false; // blackout and test picture of the projector windows
@@ -36,13 +40,12 @@ class App {
     this.projectors = [], this.projector = null, this.numbers = 0;
     this.photograph = null, this.comparisons = 0;
     this.quality = 1, this.lastChange = 0, this.pending = false;
-    this.listeners = [];
     document.addEventListener('visibilitychange', () => this.reschedule());
-    addEventListener('pagehide', () => this.projectors.forEach((projector) => projector.window.close()));
+    addEventListener('beforeunload', (event) => this.leave(event));
     canvas.addEventListener('webglcontextlost', (event) => {
       event.preventDefault();
       this.lost = true;
-      say('The graphics driver stopped working. Reload the page to continue.', true);
+      this.beginAgain();
     });
   }
 
@@ -52,6 +55,27 @@ class App {
     return length3(sum) > 0.1 ? normalise3(sum) : scale3(axisOf(this.scene.views[0].camera.pose, 1), -1);
   }
 
+  // Refuses what changes the picture of a show by mistake, and why.
+  inShow(why) { if (this.show.armed) throw new Message(`Armed: ${why}. Switch Armed off first.`); }
+
+  // A show does not end by mistake: the browser asks first.
+  leave(event) {
+    if (this.store) this.store.keep();
+    if (this.reloads || !(this.show.armed || this.windows.open.length)) return;
+    event.preventDefault();
+    event.returnValue = true; // browsers before 2024
+  }
+
+  // After the graphics driver has failed, once in a while; the projector windows keep their pictures meanwhile.
+  async beginAgain() {
+    say('The graphics driver stopped working. Reload the page to continue.', true);
+    if (!this.store || this.fresh || Date.now() - Number(sessionStorage.getItem(DRIVER_FAILED) || 0) < BEGIN_AGAIN) return;
+    sessionStorage.setItem(DRIVER_FAILED, Date.now());
+    await this.store.keep();
+    this.reloads = true;
+    location.reload();
+  }
+
   changed(what) { for (const listener of this.listeners) listener(what); }
 
   // --- The camera. ---
@@ -59,7 +83,7 @@ class App {
   jump(view, bring) {
     this.base = view.camera, this.pose = view.camera.pose, this.at = view;
     this.target = this.scene.centre;
-    if (bring && this.projector) this.setProjectorPose(view.projector.pose, view.projector);
+    if (bring && this.projector && !this.projector.found) this.setProjectorPose(view.projector.pose, view.projector); // one that was measured stays
     this.invalidate(true);
     this.changed('view');
   }
@@ -135,9 +159,9 @@ class App {
   get lit() { return this.photograph ? [this.photograph.projector] : this.projectors.filter((projector) => projector.on); }
 
   addProjector() {
-    const like = this.projector ? this.projector.device : (this.at || this.scene.views[0]).projector;
+    const like = this.projector && !this.projector.found ? this.projector.device : (this.at || this.scene.views[0]).projector;
     const projector = new Projector(this.graphics, {...like}, this.scene.panel, ++this.numbers);
-    projector.window = new ProjectorWindow(this, projector);
+    projector.window = new ProjectorWindow(this, projector), projector.relief = this.relief;
     if (this.projectors.length) projector.device = {...like, pose: orbit(like.pose, this.scene.centre, this.up, 0.8, 0)};
     projector.original = (this.at || this.scene.views[0]).projector;
     this.projectors.push(projector);
@@ -146,8 +170,23 @@ class App {
     return projector;
   }
 
+  // The projector that was measured at a view, where it shines with the first one; one that was measured before moves there.
+  placeFound(view, device) {
+    this.inShow('a projector would be moved');
+    const known = this.projectors.find((projector) => projector.found);
+    this.select(this.projectors.find((projector) => projector !== known) || this.addProjector());
+    if (view) this.jump(view, true);
+    const projector = known || this.addProjector();
+    projector.setFound(device, this.scene.panel);
+    projector.device = {...device};
+    this.select(projector);
+    this.invalidate(true);
+    this.changed('device');
+  }
+
   removeProjector() {
     if (this.projectors.length < 2) return;
+    if (this.window.isOpen) this.inShow('this projector is in the show');
     const at = this.projectors.indexOf(this.projector);
     this.endComparison(this.projector);
     const [removed] = this.projectors.splice(at, 1);
@@ -191,8 +230,11 @@ class App {
 
   // The source of a layer, the selected one unless another is given.
   setContent(content, projector = this.projector, layer = projector.layer) {
+    const free = isFree(layer, content);
     this.reshow(projector, () => projector.change(() => {
       layer.source = content;
+      if (free) putWhereSeen(this, projector, layer);
+      if (content instanceof EffectContent) layer.place = unmoved(layer.place);
       projector.endFade();
     }));
   }
@@ -218,7 +260,7 @@ class App {
   placed(place, moving = true) {
     const {projector} = this;
     this.endComparison(projector);
-    projector.layer.place = place, projector.dirty = true;
+    projector.layer.place = projector.content instanceof EffectContent ? unmoved(place) : place, projector.dirty = true;
     this.invalidate(moving);
     this.changed('layers');
   }
@@ -316,9 +358,11 @@ class App {
   // The photograph beside the prediction, which is drawn as the photograph was taken: under one projector's
   // uncorrected pattern, without changes of light. The settings are restored afterwards.
   async showPhotograph(on) {
+    if (on) this.inShow('the photograph would come onto the object');
     const entry = on ? this.findPhotograph() : null, {projector} = this;
     this.endComparison();
     if (on && !entry) say('There is no photograph of this view in the page. Jump to a captured view first.');
+    else if (on && projector.found) return say('The photographs are of the first projector\u2019s light: choose that one.');
     if (!entry) return;
     this.jump(this.at, true);
     const asked = this.comparisons, shown = projector.showsPattern(entry.pattern);
@@ -366,9 +410,13 @@ class App {
     if (this.pending || this.lost) return;
     this.pending = true;
     // a hidden page has no frames; what the projector shows goes on in those of its window
-    const open = document.hidden && this.projectors.find((projector) => projector.window.isOpen), source = open ? open.window.window : window;
-    const frame = source.requestAnimationFrame(() => this.frame(performance.now()));
-    this.cancel = () => { if (!source.closed) source.cancelAnimationFrame(frame); };
+    const [open] = document.hidden ? this.windows.open : [], work = () => this.frame(performance.now());
+    if (open) {
+      this.cancel = open.window.frame(work);
+      return;
+    }
+    const frame = requestAnimationFrame(work);
+    this.cancel = () => cancelAnimationFrame(frame);
   }
 
   // The page was hidden or shown: requests a frame from the window that has any.
@@ -427,6 +475,9 @@ class App {
     return view ? view.camera : this.show.seat || this.seat();
   }
 
+  // The device in whose picture a projector's layers lie: itself, or the camera for which it is corrected.
+  frameOf(projector) { return projector.corrected ? this.watcherOf(projector) : projector.device; }
+
   // The camera that looks now.
   seat() { return {...this.base, pose: this.pose}; }
 
@@ -438,15 +489,18 @@ class App {
       const key = JSON.stringify([watcher, projector.device, projector.correction, projector.gain, projector.stops, this.black, most,
         others.map(({device, stops}) => [device, stops])]);
       if (!projector.dirty && !projector.live && key === projector.patternKey && (coarse || !projector.coarse)) continue;
-      projector.coarse = projector.corrected && this.compensator.solve(projector, watcher, coarse, {others, black: this.black, most});
+      const rough = coarse && projector.isOnObject;
+      this.relief.rough = rough;
+      projector.coarse = (projector.corrected && this.compensator.solve(projector, watcher, coarse, {others, black: this.black, most})) || rough;
       if (!projector.corrected) {
         projector.freeMaps();
-        if (projector.dirty || projector.live || projector.wasCorrected) projector.drawPattern();
+        if (projector.dirty || projector.live || projector.wasCorrected || projector.isOnObject) projector.drawPattern();
       }
       if (projector.fade && projector.fade.still) projector.pattern.lay(projector.fade.still, 1 - projector.share);
       projector.dirty = false, projector.patternKey = key, projector.wasCorrected = projector.corrected;
       projector.window.stale = true;
     }
+    this.relief.rough = false;
     if (this.black && this.projectors.some((p) => p.corrected && p.most !== p.knownMost)) {
       for (const p of this.projectors) p.knownMost = p.most;
       this.updatePatterns(coarse); // what one counted holds for all
@@ -509,9 +563,15 @@ async function start() {
   app.draw(QUALITIES[0]);
   app.history = makeHistory(app), app.store = new Store(app);
   followGestures(app.history);
-  if (new URLSearchParams(location.search).has('fresh') || !await app.store.restore().catch(() => false)) return;
+  app.fresh = new URLSearchParams(location.search).has('fresh');
+  const kept = !app.fresh && await app.store.restore().catch(() => false);
+  const found = app.windows.find();
+  if (kept) app.draw(QUALITIES[0]);
+  await app.graphics.drawn();
+  if (!kept) return;
   app.history.note();
-  say('As you left it. Undo brings the page as it came.');
+  if (!app.show.armed) return say('As you left it. Undo brings the page as it came.');
+  found.then(() => say(`As you left it: armed.${app.windows.open.length ? ' The projector windows are back.' : NO_WINDOW}`));
 }
 
 // The page is painted once before it is busy drawing.

@@ -91,6 +91,7 @@ function drawOverlay(app) {
   if (app.frusta)
     for (const projector of app.projectors)
       if (app.mode !== 'brush' || projector === app.projector) drawFrustum(context, app, projector, projector === app.projector);
+  if (app.choosing) app.choosing.drawInView(context);
   if (app.mode === 'nudge' && app.pull) {
     context.strokeStyle = context.fillStyle = app.projector.colour, context.lineWidth = 2;
     context.beginPath();

@@ -1,39 +1,39 @@
-// The pattern in closed form (levels of engine/apply/closed.c, for one projector and those that share its light), and the
-// paint on it. The target is sRGB: what is written is linear, what is kept encoded.
-uniform sampler2D u_response, u_ambient, u_place, u_target, u_paint;
-uniform sampler2D u_lights, u_whites, u_feather; // of share.frag; the projector's own
+// The pattern: the levels that the camera wants where it sees the projector's light (wanted.frag); elsewhere levels that go on
+// from there and fade (ffp_fill_unseen, engine/apply/unseen.c); and the paint on it. The shader writes linear values, sRGB is
+// kept.
+#define TRUSTED 2.0
+uniform sampler2D u_response, u_known, u_paint, u_feather, u_wide;
 uniform highp usampler2D u_near;
-uniform vec2 u_share; // of a pixel of the maps that one of the pattern is
-uniform vec2 u_dark;  // the share of their white that dark projectors give, and all together where most overlap
-uniform bool u_look;  // true if the target is the look of the object between dark and full light
+uniform vec2 u_share;  // of a pixel of the maps that one of the pattern is
+uniform float u_reach; // of their pixels, over which levels fade
+uniform vec3 u_spread;
 uniform bool u_shared;
-uniform float u_gain, u_brightness;
 layout(location = 0) out vec4 o_pattern;
 
-// The level of every projector that lights a point is its feather times this: ffp_procams_lift and _paint, then levels.
-vec3 levels_at(ivec2 q, float feather) {
-  vec3 wanted = linear_at(u_target, texelFetch(u_place, q, 0).xy / vec2(textureSize(u_target, 0))).rgb;
-  vec3 own = u_brightness * texelFetch(u_response, q, 0).rgb, ambient = texelFetch(u_ambient, q, 0).rgb;
-  vec4 lights = u_shared ? texelFetch(u_lights, q, 0) : vec4(0.0), whites = u_shared ? texelFetch(u_whites, q, 0) : vec4(0.0);
-  vec3 most = feather * own + lights.rgb;
-  float sum = feather + lights.a;
-  vec3 floor_at = ambient + u_dark.y * most / sum;
-  vec3 target = u_look ? floor_at + (1.0 - u_dark.y) * most / sum * wanted : max(u_gain * wanted, floor_at);
-  vec3 missing = target - ambient - u_dark.x * (own + whites.rgb), level;
-  for (int c = 0; c < 3; c++)
-    level[c] = most[c] > 0.0 ? missing[c] / ((1.0 - u_dark.x) * most[c]) : u_look ? wanted[c] / sum : missing[c] > 0.0 ? 1.0 / sum : 0.0;
-  return clamp(level, 0.0, 1.0 / sum);
+vec3 pull(vec2 share) {
+  vec3 level = vec3(0.0);
+  ivec2 size = textureSize(u_known, 0);
+  for (int lod = int(log2(float(max(size.x, size.y)))); lod > 0; lod--) {
+    vec4 mean = linear_at(u_known, share, lod);
+    if (mean.a > 0.0) level = mix(level, mean.rgb / mean.a, min(TRUSTED * mean.a, 1.0));
+  }
+  return level;
 }
 
 void main() {
-  ivec2 p = ivec2(gl_FragCoord.xy);
+  ivec2 p = ivec2(gl_FragCoord.xy), q = ivec2(gl_FragCoord.xy * u_share);
   vec4 paint = texelFetch(u_paint, p, 0);
-  uvec2 near = texelFetch(u_near, ivec2(gl_FragCoord.xy * u_share), 0).xy;
+  vec2 share = gl_FragCoord.xy * u_share / vec2(textureSize(u_response, 0));
+  uvec2 near = texelFetch(u_near, q, 0).xy;
   vec3 level = vec3(0.0);
   if (near.x != NOWHERE) {
-    ivec2 q = ivec2(near);
-    float feather = u_shared ? linear_at(u_feather, (vec2(q) + 0.5) / vec2(textureSize(u_response, 0))).x : 1.0;
-    level = feather * levels_at(q, feather);
+    bool unseen = texelFetch(u_response, q, 0).a == HIDDEN;
+    ivec2 from = unseen ? q : ivec2(near);
+    float close = clamp(1.0 - distance(vec2(q), vec2(near)) / u_reach, 0.0, 1.0);
+    level = unseen ? close * close * (3.0 - 2.0 * close) * pull(share) : texelFetch(u_known, from, 0).rgb;
+    if (u_shared) level *= linear_at(u_feather, (vec2(from) + 0.5) / vec2(textureSize(u_response, 0))).x;
+    if (u_spread != vec3(0.0)) // unspread
+      level = (level - u_spread * textureLod(u_wide, share, 0.0).rgb) / (1.0 - u_spread);
   }
   o_pattern = vec4(mix(clamp(level, 0.0, 1.0), paint.rgb, paint.a), 1.0);
 }

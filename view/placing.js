@@ -19,11 +19,7 @@ class FlatPicture {
 
   get shown() { return this.app.mode === 'place'; }
 
-  // The device whose frame it has: the projector, or the camera for which it is corrected.
-  get device() {
-    const {projector} = this.app;
-    return projector.corrected ? this.app.watcherOf(projector) : projector.device;
-  }
+  get device() { return this.app.frameOf(this.app.projector); }
 
   // The object in that frame, drawn again when the device has moved.
   object() {
@@ -56,7 +52,7 @@ class FlatPicture {
     return [event.clientX - left, event.clientY - top];
   }
 
-  handles() { return handlesOf(this.frame(), this.what, TURN_REACH); }
+  handles() { return this.what === 'surface' ? [] : handlesOf(this.frame(), this.what, TURN_REACH); }
 
   down(event) {
     const {app} = this, {projector} = app, at = this.at(event);
@@ -65,6 +61,7 @@ class FlatPicture {
     this.canvas.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, at);
     if (this.pointers.size > 1) return;
+    if (this.what === 'surface') return void attempt(() => app.choosing.choose(this.pointUnder(at), event))();
     this.held = handleUnder(this.handles(), at, event.pointerType === 'touch' ? 2 * REACH : REACH);
     if (this.held) return;
     if (this.what === 'mask') return this.addPoint(at);
@@ -95,7 +92,16 @@ class FlatPicture {
     this.app.placed(event.shiftKey ? turnedAbout(frame, middleOf(frame), 20 * Math.log(s)) : scaledAbout(frame, middleOf(frame), s, s));
   }
 
-  point(at) { this.canvas.style.cursor = handleUnder(this.handles(), at, REACH) ? 'pointer' : covers(this.frame(), at) ? 'move' : 'default'; }
+  // The point of the object that is shown there.
+  pointUnder([x, y]) {
+    const {width, height} = this.box();
+    return this.app.choosing.pointInPicture([x / width, y / height]);
+  }
+
+  point(at) {
+    if (this.what === 'surface') return this.app.choosing.hover(this.pointUnder(at));
+    this.canvas.style.cursor = handleUnder(this.handles(), at, REACH) ? 'pointer' : covers(this.frame(), at) ? 'move' : 'default';
+  }
 
   // A point of the mask, between the two whose line is nearest, and held from then on.
   addPoint(at) {
@@ -127,7 +133,7 @@ class FlatPicture {
     context.clearRect(0, 0, width, height);
     const [w, h] = [box.width, box.height].map((side) => Math.max(1, Math.round(side * ratio))), picture = scratch('picture', w, h);
     const at = [Math.round(box.left * ratio), Math.round((box.top - all.top) * ratio)];
-    app.projector.draw(picture, w, h);
+    app.projector.draw(picture, w, h, this.device);
     context.fillStyle = '#000';
     context.fillRect(...at, w, h);
     context.globalAlpha = BEHIND;
@@ -139,6 +145,8 @@ class FlatPicture {
     context.strokeStyle = '#8a8a8a', context.lineWidth = 1;
     context.strokeRect(0, 0, box.width, box.height);
     app.projector.layers.forEach((layer) => { if (layer !== app.projector.layer) outline(context, cornersOf(this.frame(layer)), 0.5); });
+    const {outlines} = app.choosing, {field} = outlines[0] || {};
+    app.choosing.drawOutlines(context, ([x, y]) => [x * box.width / field.width, y * box.height / field.height], outlines);
     this.drawHandles(context);
   }
 
@@ -191,14 +199,15 @@ function buildLayers(app) {
   const box = $('layers');
   const press = (text, title, work, disabled) => element('button', {textContent: text, title, className: 'small', onclick: attempt(work), disabled});
   const row = (layer, i) => {
-    const {projector} = app, {layers} = projector, name = shortName(layer.source.name);
-    const pick = choose(press(layer.source.text ? layer.source.text.split('\n')[0] : name, `Select layer ${i + 1}, ${name}`, () => selectLayer(app, i)), i === projector.at);
+    const {projector} = app, {layers} = projector, surface = app.relief.find(layer.on), on = surface ? ` on ${surface.name}` : '', name = shortName(layer.source.name);
+    const pick = choose(press(layer.source.text ? layer.source.text.split('\n')[0] : name, `Select layer ${i + 1}, ${name}${on}`, () => selectLayer(app, i)), i === projector.at);
     pick.classList.add('name');
+    pick.append(element('small', {textContent: on}));
     const raise = () => editLayers(app, () => { layers.splice(i + 1, 0, layers.splice(i, 1)[0]); projector.at = i + 1; });
     const remove = () => editLayers(app, () => { layers.splice(i, 1); projector.at = Math.min(projector.at, layers.length - 1); });
     return element('li', {className: 'row'}, [pick, press('↑', `Bring layer ${i + 1} forward`, raise, i === layers.length - 1), press('×', `Remove layer ${i + 1}`, remove, layers.length < 2)]);
   };
-  app.listeners.push((what) => { if (what === 'content' || what === 'projector') box.replaceChildren(...app.projector.layers.map(row).reverse()); });
+  app.listeners.push((what) => { if (what === 'content' || what === 'projector' || what === 'surfaces') box.replaceChildren(...app.projector.layers.map(row).reverse()); });
   $('add-layer').onclick = attempt(() => {
     if (app.projector.layers.length >= LAYERS_MAX) throw new Message(`A projector shows at most ${LAYERS_MAX} layers.`);
     editLayers(app, (layers) => { app.projector.at = layers.push(new Layer(new TextContent('Text', '#ffffff'))) - 1; });
@@ -219,6 +228,12 @@ function partOf({count, centre, opacity}, device) {
   const ends = (values) => { values.sort((a, b) => a - b); return [0.01, 0.99].map((share) => clamp(values[Math.floor(share * (values.length - 1))], 0, 1)); };
   const [left, right] = ends(across), [top, bottom] = ends(down);
   return [left, top, right, bottom];
+}
+
+// The part that a layer is to fill: of its surface, or of the object; null: the device does not see the surface.
+function partFor(app, layer, device) {
+  const surface = app.relief.find(layer.on), region = surface && app.relief.region(surface, device);
+  return region ? boxOf(region.field, region.inside) : partOf(app.scene.splats, device);
 }
 
 // Numbers of a place: [name, unit, how it is read, the place with another].
@@ -256,6 +271,7 @@ function buildPlace(app) {
   const choices = [...document.querySelectorAll('[data-what]')];
   const pick = (what) => {
     flat.what = what;
+    flat.canvas.style.cursor = what === 'surface' ? 'crosshair' : 'default';
     for (const button of choices) button.setAttribute('aria-pressed', button.dataset.what === what);
     flat.draw();
   };
@@ -265,10 +281,11 @@ function buildPlace(app) {
     app.placed(flat.what === 'mask' ? {...place, mask: null} : flat.what === 'crop' ? {...place, crop: kept.crop} : flat.what === 'corners' ? {...place, pull: kept.pull}
       : {...place, x: 0, y: 0, width: 1, height: 1, turn: 0}, false);
   };
-  $('fit-object').onclick = () => {
-    const {projector, scene} = app, {layer} = projector, {device} = flat;
-    app.placed(placeInPart(layer.frame(device.width, device.height), partOf(scene.splats, device)), false);
-  };
+  $('fit-object').onclick = attempt(() => {
+    const {projector} = app, {layer} = projector, {device} = flat, part = partFor(app, layer, device);
+    if (!part) throw new Message(`Projector ${projector.number} does not reach ${app.relief.find(layer.on).name}.`);
+    app.placed(placeInPart(layer.frame(device.width, device.height), part), false);
+  });
   pick('size');
 }
 
@@ -279,6 +296,47 @@ function nudge(app, [x, y], far) {
 }
 
 // --- Text and films. ---
+
+const ROWS = 48;
+
+// Where in a device's picture a box of this shape (width / height) is largest on the object: shares of it, [left, top, right, bottom].
+function widestPart({count, centre, opacity}, device, shape) {
+  const ends = Array.from({length: ROWS}, () => [1, 0]), wide = device.width / device.height;
+  for (let i = 0; i < count; i++) {
+    if (opacity[i] < 0.5) continue;
+    const [x, y, z] = project(device, [centre[3 * i], centre[3 * i + 1], centre[3 * i + 2]]), u = x / device.width, row = ends[Math.floor(y / device.height * ROWS)];
+    if (z > 0 && row && u >= 0 && u <= 1) row[0] = Math.min(row[0], u), row[1] = Math.max(row[1], u);
+  }
+  let best = [0, 0, 1, 1], most = 0;
+  for (let first = 0; first < ROWS; first++) {
+    let [left, right] = [0, 1];
+    for (let last = first; last < ROWS; last++) {
+      left = Math.max(left, ends[last][0]), right = Math.min(right, ends[last][1]);
+      if (!(right > left)) break;
+      const size = Math.min((right - left) * wide, (last + 1 - first) / ROWS * shape); // of the box, heights of the picture across
+      if (size > most) most = size, best = [left, first / ROWS, right, (last + 1) / ROWS];
+    }
+  }
+  return best;
+}
+
+// True if nobody has placed the layer since the page did, on which content is put.
+function isFree({place, given, source, on}, content) {
+  const first = on !== null || (content instanceof TextContent && !(source instanceof TextContent)), now = JSON.stringify(place);
+  return now === given || (first && now === JSON.stringify(newPlace()));
+}
+
+// Places a layer where its source is seen: on its surface, a text otherwise where the object is widest. Patterns of the capture
+// and what has no shape of its own fill the picture.
+function putWhereSeen(app, projector, layer) {
+  const {source, on} = layer, {size} = source, device = app.frameOf(projector), isText = source instanceof TextContent, onSurface = !!app.relief.find(on);
+  layer.place = newPlace();
+  if (size && source.pattern === undefined && (onSurface || (!app.scene.whole && (isText || layer.added)))) {
+    const part = isText && !onSurface ? widestPart(app.scene.splats, device, size[0] / size[1]) : partFor(app, layer, device);
+    if (part) layer.place = placeInPart(layer.frame(device.width, device.height), part);
+  }
+  layer.given = JSON.stringify(layer.place);
+}
 
 const seconds = (t) => `${Math.floor(t / 60)}:${(t % 60).toFixed(1).padStart(4, '0')}`;
 
@@ -305,7 +363,7 @@ function buildText(app) {
     font.value = content.font, colour.value = content.colour;
     if (document.activeElement !== text) text.value = content.text;
   });
-  return (value) => { text.value = value.slice(0, TEXT_MAX); write(); };
+  return (value) => { text.value = clipText(value); write(); };
 }
 
 // Sound, part and position of the selected layer's film.

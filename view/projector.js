@@ -20,13 +20,22 @@ function patternSize(device, panel, sideMax) {
   return [width, height].map((side) => Math.round(side * Math.min(finer, most)));
 }
 
+// A panel of which a person knows the pixels alone: the pattern lies in its middle, as large as there is room.
+function panelOfPixels({width, height, fx, fy, cx, cy}, [w, h]) {
+  const s = Math.min(w / width, h / height);
+  return {width: w, height: h, fx: fx * s, fy: fy * s, cx: w / 2 + (cx - width / 2) * s, cy: h / 2 + (cy - height / 2) * s};
+}
+
 class Projector {
   constructor(graphics, device, panel, number) {
-    const size = patternSize(device, panel, graphics.sideMax);
     this.graphics = graphics;
+    this.known = panel;  // the capture's, or null
+    this.found = null;   // as setFound has it
+    this.pixels = null;  // [width, height] of the panel, if a person gave them
     this.number = number;
     this.colour = PROJECTOR_COLOURS[(number - 1) % PROJECTOR_COLOURS.length];
     this.device = device;
+    this.spread = (panel && panel.spread) || null; // {share, deviation}: of what it sends, pixels of its device
     this.on = true;
     this.stops = 0; // brightness, in doublings of the capture's
     this.layers = [new Layer(new TestContent('White'))];
@@ -36,15 +45,51 @@ class Projector {
     this.correction = 'none'; // 'paint' and 'colours': see compensate.js
     this.watcher = 'now';     // the viewpoint that a correction is for: 'now' or a view's number from 0
     this.gain = 0;            // of a target's light, in doublings
+    this.painted = false;
+    this.paintVersion = 0; // counts its changes
+    this.maps = {}; // of a correction
+    this.measure();
+    this.pulls = []; // of a nudge
+    this.dirty = true;
+  }
+
+  // The real projector's: {width, height, fx, fy, cx, cy ..}; null: nothing is known of it.
+  get panel() { return this.pixels && !this.known ? panelOfPixels(this.original || this.device, this.pixels) : this.known; }
+
+  // A place and lens that were measured, {width, height, fx, fy, cx, cy, pose}: its panel is its own; null: the capture's is.
+  setFound(found, panel) {
+    if (JSON.stringify(found) === JSON.stringify(this.found)) return;
+    this.found = this.original = found, this.known = found || panel;
+    this.spread = found ? null : (panel && panel.spread) || null;
+    if (found) this.device = {...found};
+    this.measure();
+  }
+
+  setPixels(pixels) {
+    if (JSON.stringify(pixels) === JSON.stringify(this.pixels)) return;
+    this.pixels = pixels;
+    this.measure();
+  }
+
+  // Canvases and textures of the pattern's size; paint is kept.
+  measure() {
+    const size = patternSize(this.device, this.panel, this.graphics.sideMax), {paint} = this;
+    if (this.canvas && this.canvas.width === size[0] && this.canvas.height === size[1]) return;
     this.canvas = makeCanvas(...size);
     this.context = this.canvas.getContext('2d', {alpha: false});
     this.paint = makeCanvas(...size);
-    this.painted = false;
-    this.paintVersion = 0; // counts its changes
-    this.pattern = new PatternTexture(graphics, ...size);
-    this.maps = {}; // of a correction
-    this.pulls = []; // of a nudge
+    if (paint) this.paint.getContext('2d').drawImage(paint, 0, 0, size[0], size[1]), this.paintVersion++;
+    this.endFade();
+    this.freeMaps();
+    if (this.pattern) this.pattern.free();
+    this.pattern = new PatternTexture(this.graphics, ...size);
+    this.patternKey = this.spreadKey = '';
     this.dirty = true;
+  }
+
+  // True if its light spreads on the way: that of the capture's projector does, and the capture's own patterns hold it.
+  get spreads() {
+    return !!this.spread && (this.corrected || this.painted || !this.sources.every((source) => source.pattern !== undefined));
   }
 
   // The device with the pattern's pixels.
@@ -56,11 +101,13 @@ class Projector {
   get content() { return this.layer.source; }
   get sources() { return [...this.layers, ...(this.fade ? this.fade.from : [])].map((layer) => layer.source); }
   get live() { return !!this.fade || this.layers.some((layer) => layer.source.live); }
+  // True if what it shows depends on where it is, whether it is corrected or not.
+  get isOnObject() { return this.layers.some(({on, source}) => on !== null || source instanceof EffectContent); }
 
   // True if it shows a pattern of the capture and nothing else.
   showsPattern(index) {
     const {layers: [layer, ...others], fade} = this, plain = JSON.stringify(layer.place) === JSON.stringify(newPlace());
-    return !others.length && !fade && plain && layer.source.pattern === index;
+    return !others.length && !fade && plain && layer.on === null && layer.source.pattern === index;
   }
 
   // The sources that are not shown afterwards are returned.
@@ -92,13 +139,14 @@ class Projector {
 
   get share() { return clamp((performance.now() - this.fade.began) / (1000 * this.fade.seconds), 0, 1); }
 
-  // The layers over an empty canvas. In a fade both are drawn in full and added up by their shares, as video mixers do.
-  draw(context, width, height) {
-    if (!this.fade || this.fade.still) return drawLayers(this.graphics, context, this.layers, width, height);
+  // The layers over an empty canvas, for this device's frame. In a fade both are drawn in full and added up by their shares, as
+  // video mixers do.
+  draw(context, width, height, device = this.device) {
+    if (!this.fade || this.fade.still) return drawLayers(this.graphics, context, this.layers, width, height, this.relief, device);
     const {share} = this;
     for (const [layers, part] of [[this.fade.from, 1 - share], [this.layers, share]]) {
       const own = scratch('fade', width, height);
-      drawLayers(this.graphics, own, layers, width, height, part);
+      drawLayers(this.graphics, own, layers, width, height, this.relief, device, part);
       context.save();
       context.globalCompositeOperation = 'lighter', context.globalAlpha = part;
       context.drawImage(own.canvas, 0, 0);
@@ -150,6 +198,6 @@ class Projector {
     this.pattern.free();
     this.freeMaps();
     if (this.feather) this.feather.free();
-    this.graphics.free(this.shadow);
+    for (const target of [this.shadow, this.wide, this.level]) this.graphics.free(target);
   }
 }

@@ -20,31 +20,43 @@ class PatternTexture {
     this.width = width, this.height = height;
     this.levels = Math.floor(Math.log2(Math.max(width, height))) + 1;
     this.texture = graphics.texture(width, height, gl.SRGB8_ALPHA8, this.levels);
+    this.version = 0; // counts its changes
+  }
+
+  // After its pixels were drawn.
+  changed() {
+    const {gl} = this.graphics;
+    gl.bindTexture(gl.TEXTURE_2D, this.texture);
+    gl.generateMipmap(gl.TEXTURE_2D);
+    this.version++;
   }
 
   // `source`: a canvas of the texture's size. Colours are multiplied by alpha, or stay as they are.
   set(source, premultiply = true) {
-    const {gl} = this.graphics;
+    const {graphics} = this, {gl} = graphics;
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
-    gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
-    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, premultiply);
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, source);
-    gl.generateMipmap(gl.TEXTURE_2D);
+    graphics.unpack(premultiply, () => gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, source));
+    this.changed();
+  }
+
+  // Draws a program over it.
+  draw(fragments, values) {
+    const {graphics, width, height} = this, {gl} = graphics, framebuffer = gl.createFramebuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.texture, 0);
+    graphics.fill({framebuffer, width, height}, fragments, values);
+    gl.deleteFramebuffer(framebuffer);
+    this.changed();
   }
 
   // Draws another one of its size over it, by a share.
   lay(other, share) {
-    const {graphics, width, height} = this, {gl} = graphics, framebuffer = gl.createFramebuffer();
-    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.texture, 0);
+    const {gl} = this.graphics;
     gl.enable(gl.BLEND);
     gl.blendColor(0, 0, 0, share);
     gl.blendFunc(gl.CONSTANT_ALPHA, gl.ONE_MINUS_CONSTANT_ALPHA);
-    graphics.fill({framebuffer, width, height}, ['copy.frag'], {u_source: other.texture});
+    this.draw(['copy.frag'], {u_source: other.texture});
     gl.disable(gl.BLEND);
-    gl.deleteFramebuffer(framebuffer);
-    gl.bindTexture(gl.TEXTURE_2D, this.texture);
-    gl.generateMipmap(gl.TEXTURE_2D);
   }
 
   free() { this.graphics.gl.deleteTexture(this.texture); }
@@ -62,6 +74,9 @@ function outlineDeviation({count, centre, scale}, {pose, fx}) {
   return deviation < 0.4 ? 0 : Math.min(deviation, 4);
 }
 
+// A G-buffer's uniforms for gbuffer.glsl.
+function sumUniforms({textures: [u_g0, u_g1, u_g2, u_g3, u_g4 = null]}, u_depth) { return {u_g0, u_g1, u_g2, u_g3, u_g4, u_depth}; }
+
 // The view of one camera, rasterised once: the samples' G-buffer and its means. Kept while nothing changes.
 class GbufferView {
   constructor(renderer) { this.renderer = renderer, this.targets = []; }
@@ -69,10 +84,10 @@ class GbufferView {
   draw(camera, side) {
     const key = JSON.stringify([camera, side]);
     if (key === this.key) return;
-    const {renderer, targets} = this, format = renderer.sumFormat;
+    const {renderer, targets} = this;
     this.key = ''; // until all is drawn
     // one for each number of samples, so that moving and resting do not take turns at allocating
-    targets[side] = renderer.graphics.fit(targets[side], camera.width * side, camera.height * side, [format, format, format, format]);
+    targets[side] = renderer.graphics.fit(targets[side], camera.width * side, camera.height * side, renderer.sumFormats);
     this.samples = targets[side];
     this.device = sampleDevice(camera, side), this.camera = camera, this.side = side;
     this.depth = renderer.centreDepth(camera);
@@ -85,8 +100,7 @@ class GbufferView {
 
   // Of the samples, or of the means.
   uniforms(target = this.samples) {
-    const [u_g0, u_g1, u_g2, u_g3] = target.textures;
-    return {u_g0, u_g1, u_g2, u_g3, u_depth: this.depth, u_side: target === this.samples ? this.side : 1};
+    return {...sumUniforms(target, this.depth), u_side: target === this.samples ? this.side : 1};
   }
 
   // ffp_view_pass_gbuffer: means over the samples of each pixel.
@@ -110,6 +124,21 @@ class GbufferView {
   }
 }
 
+// A pattern through a Gaussian of this deviation, pixels of it, in a smaller picture: from the mip level whose texels are at most
+// two thirds of the deviation. Means over a texel have a twelfth of its square as variance, and the straight lines between them
+// twice that.
+function drawWide(graphics, pattern, deviation, kept) {
+  const {gl} = graphics, u_mip = clamp(Math.floor(Math.log2(deviation / 1.5)), 0, pattern.levels - 1), texel = 2 ** u_mip;
+  const size = [pattern.width, pattern.height].map((side) => Math.max(1, side >> u_mip)), u_deviation = Math.sqrt(deviation ** 2 - texel ** 2 / 4) / texel;
+  const wide = graphics.fit(kept, ...size, [gl.RGBA16F]), across = graphics.target(...size, [gl.RGBA16F]);
+  graphics.fill(across, ['wide.frag'], {u_from: pattern.texture, u_mip, u_along: [1, 0], u_deviation});
+  graphics.fill(wide, ['wide.frag'], {u_from: across.textures[0], u_mip: 0, u_along: [0, 1], u_deviation});
+  graphics.free(across);
+  gl.bindTexture(gl.TEXTURE_2D, wide.textures[0]);
+  for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
+  return wide;
+}
+
 class Renderer {
   constructor(graphics, scene) {
     this.graphics = graphics;
@@ -118,9 +147,26 @@ class Renderer {
     this.sorter = new DepthSorter(scene.splats);
     this.counts = {};
     this.sumFormat = graphics.float32 ? graphics.gl.RGBA32F : graphics.gl.RGBA16F;
+    this.scatters = !!scene.splats.scattered && this.findFifth();
+    graphics.defines = this.scatters ? '#define SCATTERS\n' : '';
     this.view = new GbufferView(this);
     this.upload(scene.splats);
   }
+
+  // A G-buffer with scattered light has a fifth texture; all are of 16 bits where the driver does not draw into so many of 32.
+  findFifth() {
+    const {graphics} = this, {gl} = graphics;
+    for (const format of gl.getParameter(gl.MAX_DRAW_BUFFERS) < 5 ? [] : [this.sumFormat, gl.RGBA16F])
+      if (graphics.draws(Array(5).fill(format))) {
+        this.sumFormat = format;
+        return true;
+      }
+    console.info('Scattered light is not shown: this graphics driver draws into fewer than five textures at once.');
+    return false;
+  }
+
+  // Of a G-buffer's textures.
+  get sumFormats() { return Array(this.scatters ? 5 : 4).fill(this.sumFormat); }
 
   upload(s) {
     const {graphics} = this, {gl} = graphics, n = s.count, rows = Math.ceil((n + 1) / ROW);
@@ -140,6 +186,7 @@ class Renderer {
       u_rotations: put(s.rotation.map(of)),
       u_albedos: put(s.albedo.map(of)),
       u_ambients: put(s.ambient.map(of)),
+      u_scattereds: this.scatters ? put(s.scattered.map(of)) : null,
     };
     this.order = graphics.texture(ROW, rows, gl.R32UI);
     this.makeQuads(n);
@@ -206,6 +253,42 @@ class Renderer {
     projector.shadowKey = key;
   }
 
+  // ffp_lit_box: middle and size, in the pattern's pixels, of the box around the splats' centres.
+  litBox(grid) {
+    const {count, centre} = this.scene.splats, size = [grid.width, grid.height], low = [...size], high = [0, 0];
+    const [right, down, ahead] = [0, 1, 2].map((k) => axisOf(grid.pose, k)), [x, y, z] = positionOf(grid.pose);
+    for (let i = 0; i < 3 * count; i += 3) {
+      const a = centre[i] - x, b = centre[i + 1] - y, c = centre[i + 2] - z, depth = ahead[0] * a + ahead[1] * b + ahead[2] * c;
+      if (!(depth > 0)) continue;
+      const u = grid.cx + grid.fx * (right[0] * a + right[1] * b + right[2] * c) / depth, v = grid.cy + grid.fy * (down[0] * a + down[1] * b + down[2] * c) / depth;
+      low[0] = Math.min(low[0], u), high[0] = Math.max(high[0], u), low[1] = Math.min(low[1], v), high[1] = Math.max(high[1], v);
+    }
+    const box = [0, 1].map((k) => [Math.max(low[k], 0), Math.min(high[k], size[k])]);
+    if (box.some(([from, to]) => !(to > from))) return [size[0] / 2, size[1] / 2, ...size];
+    return [...box.map(([from, to]) => (from + to) / 2), ...box.map(([from, to]) => to - from)];
+  }
+
+  // The light that spreads around what a projector shows, and the level of what is scattered; kept while its pattern stays.
+  drawSpread(projector) {
+    const {graphics} = this, {gl} = graphics, {pattern, grid, spread, spreads} = projector;
+    const key = JSON.stringify([pattern.version, spreads, this.scatters ? grid : null]);
+    if (key === projector.spreadKey) return;
+    projector.spreadKey = key;
+    if (spreads) projector.wide = drawWide(graphics, pattern, spread.deviation * grid.width / projector.device.width, projector.wide);
+    if (!this.scatters) return;
+    const place = JSON.stringify(grid);
+    if (projector.litPlace !== place) projector.litPlace = place, projector.lit = this.litBox(grid);
+    projector.level = graphics.fit(projector.level, 1, 1, [gl.RGBA16F]);
+    graphics.fill(projector.level, ['gbuffer.glsl', 'light.glsl', 'level.frag'], {...this.patternUniforms(projector), ...deviceUniforms('projector', grid), u_lit: projector.lit});
+  }
+
+  patternUniforms({pattern, spreads, spread, wide, level}) {
+    return {
+      u_pattern: pattern.texture, u_levels: pattern.levels, u_wide: spreads ? wide.textures[0] : null,
+      u_spread: spreads ? spread.share : [0, 0, 0], u_level: level ? level.textures[0] : null,
+    };
+  }
+
   lightUniforms(projector, camera) {
     const shadows = this.castsShadows(projector);
     return {
@@ -213,7 +296,7 @@ class Renderer {
       u_shadow: shadows ? projector.shadow.textures[0] : null,
       u_shadow_depth: projector.shadowDepth || 0, u_shadow_bias: this.settings.shadow_bias,
       u_shadows: shadows, u_footprint: this.settings.footprint,
-      u_pattern: projector.pattern.texture, u_levels: projector.pattern.levels,
+      ...this.patternUniforms(projector), u_brightness: projector.brightness,
       u_intensity: scale3(this.scene.intensity, projector.brightness), u_black: this.black || 0,
     };
   }
@@ -221,7 +304,7 @@ class Renderer {
   // ffp_view_pass_draw and _shade for any number of projectors: the mean radiance of each pixel.
   drawLight(camera, side, projectors, ambient) {
     const {graphics} = this, {gl} = graphics;
-    for (const projector of projectors) this.drawShadow(projector);
+    for (const projector of projectors) this.drawShadow(projector), this.drawSpread(projector);
     this.view.draw(camera, side);
     this.light = graphics.fit(this.light, camera.width, camera.height, [gl.RGBA16F]);
     graphics.fill(this.light, ['ambient.frag'], {...this.view.uniforms(), u_ambient: ambient ? 1 : 0});
@@ -264,11 +347,10 @@ class Renderer {
 
   // The albedo that a device sees, RGBA bytes with row 0 on top.
   albedoSeen(device) {
-    const {graphics} = this, {width, height} = device, format = this.sumFormat, u_depth = this.centreDepth(device);
-    const sums = graphics.target(width, height, [format, format, format, format]), shot = graphics.target(width, height, [graphics.gl.RGBA8]);
-    const [u_g0, u_g1, u_g2, u_g3] = sums.textures;
+    const {graphics} = this, {width, height} = device, u_depth = this.centreDepth(device);
+    const sums = graphics.target(width, height, this.sumFormats), shot = graphics.target(width, height, [graphics.gl.RGBA8]);
     this.rasterise(sums, device, u_depth, 'splats.frag');
-    graphics.fill(shot, ['gbuffer.glsl', 'maps.frag'], {u_g0, u_g1, u_g2, u_g3, u_depth, u_map: 3, u_range: [0, 1], u_flip: false, u_size: [width, height]});
+    graphics.fill(shot, ['gbuffer.glsl', 'maps.frag'], {...sumUniforms(sums, u_depth), u_map: 3, u_range: [0, 1], u_flip: false, u_size: [width, height]});
     const data = graphics.readBytes(shot);
     for (const target of [sums, shot]) graphics.free(target);
     return data;

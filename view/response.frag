@@ -8,6 +8,9 @@ uniform ivec2 u_corner; // of the tile that is drawn
 layout(location = 0) out vec4 o_response; // alpha: LIT, HIDDEN or 0, no object
 layout(location = 1) out vec4 o_ambient;
 layout(location = 2) out vec2 o_place;
+#ifdef SCATTERS
+layout(location = 3) out vec4 o_scattered; // what white adds in other ways
+#endif
 
 struct Meeting {
   vec3 place; // in the camera's picture, and the depth from it
@@ -41,6 +44,9 @@ void main() {
   ivec2 p = ivec2(gl_FragCoord.xy);
   vec4 surface = texelFetch(u_surface, p - u_corner, 0);
   o_response = o_ambient = vec4(0.0), o_place = vec2(0.0);
+#ifdef SCATTERS
+  o_scattered = vec4(0.0);
+#endif
   if (!(surface.w >= 0.5)) return;
   o_response.a = HIDDEN;
   float z = surface.x / surface.w + u_surface_depth;
@@ -56,4 +62,7 @@ void main() {
   o_response = vec4(light, LIT);
   o_ambient = vec4(ambient, 1.0);
   o_place = met.place.xy;
+#ifdef SCATTERS
+  o_scattered = linear_at(u_g4, met.place.xy / projector_size) / s.opacity;
+#endif
 }

@@ -4,6 +4,10 @@
 flat in vec2 f_at;
 flat in vec4 f_power, f_a, f_b;
 flat in vec3 f_c;
+#ifdef SCATTERS
+flat in vec3 f_d;
+layout(location = 4) out vec4 o_4;
+#endif
 uniform float u_firmness;
 layout(location = 0) out vec4 o_0;
 layout(location = 1) out vec4 o_1;
@@ -21,4 +25,7 @@ void main() {
   o_1 = alpha * vec4(f_a.w, f_b.xy, 1.0);
   o_2 = alpha * vec4(f_b.zw, f_c.x, 1.0);
   o_3 = alpha * vec4(f_c.yz, 0.0, 1.0);
+#ifdef SCATTERS
+  o_4 = alpha * vec4(f_d, 1.0);
+#endif
 }

@@ -1,6 +1,6 @@
 // A Gaussian as a camera sees it: engine/render/kernels/frame.h and project.c.
 uniform highp usampler2D u_order; // the splats far to near; four vertices each
-uniform sampler2D u_centres, u_scales, u_rotations, u_albedos, u_ambients;
+uniform sampler2D u_centres, u_scales, u_rotations, u_albedos, u_ambients, u_scattereds;
 uniform mat3 camera_rotation; // columns: the camera's axes in the world
 uniform vec3 camera_position;
 uniform vec2 camera_focal, camera_principal, camera_size;
@@ -11,6 +11,9 @@ flat out vec2 f_at;
 flat out vec4 f_power; // 3 of the exponent, and the opacity
 flat out vec4 f_a, f_b;
 flat out vec3 f_c;
+#ifdef SCATTERS
+flat out vec3 f_d;
+#endif
 
 // rotation_matrix of frame.h
 mat3 axes_of(vec4 q) {
@@ -66,4 +69,7 @@ void main() {
   f_a = vec4(t.z - u_depth, normal);
   f_b = vec4(albedo, scale.w);
   f_c = ambient;
+#ifdef SCATTERS
+  f_d = texelFetch(u_scattereds, texel, 0).rgb;
+#endif
 }

@@ -1,50 +1,56 @@
 'use strict';
 // Cameras, and the window on the projector.
 
-// --- The projector's window, by a channel that only pages of this studio share. ---
+// --- The projectors' windows, each by a channel that only pages of this studio share. ---
 
-const projector = {
-  channel: new BroadcastChannel('studio ' + location.pathname),
-  window: null, panel: null, waiting: new Map(), last: 0,
-  get isOpen() { return !!this.panel; },
-};
-
-projector.channel.onmessage = ({data}) => {
-  if (data.from !== 'projector') return;
-  projector.panel = data.closed ? null : data.panel;
-  const wait = projector.waiting.get(data.id);
-  if (wait) {
-    projector.waiting.delete(data.id);
-    if (data.failed) wait.fail(new Error(`The projector window cannot show the pattern: ${data.failed}`)); else wait.done(data);
+class ProjectorChannel {
+  constructor(number) {
+    this.number = number, this.window = this.panel = null, this.waiting = new Map(), this.last = 0;
+    this.wire = new Wire(`studio ${platform.served ? location.pathname : ''}${number}`, (data) => { if (data.from === 'projector') this.hear(data); });
+    this.wire.post({from: 'studio'}); // one that was open before a reload answers
   }
-  if (data.closed) {
-    for (const w of projector.waiting.values()) w.fail(new Error('The projector window was closed: open it again (step 1).'));
-    projector.waiting.clear();
-  }
-  for (const listener of studio.listeners) if (studio.state) listener(studio.state);
-};
-projector.channel.postMessage({from: 'studio'}); // one that was open before a reload answers
 
-function project(what) {
-  const id = ++projector.last;
+  get isOpen() { return !!this.panel; }
+
+  hear(data) {
+    this.panel = data.closed ? null : data.panel;
+    const wait = this.waiting.get(data.id);
+    if (wait) {
+      this.waiting.delete(data.id);
+      if (data.failed) wait.fail(new Error(`The projector window cannot show the pattern: ${data.failed}`)); else wait.done(data);
+    }
+    if (data.closed) {
+      for (const w of this.waiting.values()) w.fail(new Error('The projector window was closed: open it again.'));
+      this.waiting.clear();
+    }
+    for (const listener of studio.listeners) if (studio.state) listener(studio.state);
+  }
+}
+
+const projector = new ProjectorChannel(1), secondProjector = new ProjectorChannel(2);
+
+function project(what, on = projector) {
+  const id = ++on.last;
   return new Promise((done, fail) => {
-    if (!projector.isOpen) return fail(new Error('Open the projector window first.'));
-    projector.waiting.set(id, {done, fail});
-    projector.channel.postMessage({from: 'studio', id, ...what});
-    setTimeout(() => projector.waiting.delete(id) && fail(new Error('The projector window does not answer: is it hidden, or closed? Open it again (step 1).')), 5000);
+    if (!on.isOpen) return fail(new Error('Open the projector window first.'));
+    on.waiting.set(id, {done, fail});
+    on.wire.post({from: 'studio', id, ...what});
+    setTimeout(() => on.waiting.delete(id) && fail(new Error('The projector window does not answer: is it hidden, or closed? Open it again.')), 5000);
   });
 }
 
-// On the second display where the browser tells of one (Window Management API).
-async function openProjector() {
+// On another display where the browser tells of one (Window Management API): the second projector on the last.
+async function openProjector(on = projector) {
   let place = 'popup,width=960,height=600';
   if (window.getScreenDetails && screen.isExtended) {
     const details = await getScreenDetails().catch(() => null);
-    const other = details && details.screens.find((s) => s !== details.currentScreen);
+    const others = details ? details.screens.filter((s) => s !== details.currentScreen) : [], other = others[Math.min(on.number, others.length) - 1];
     if (other) place = `popup,left=${other.availLeft},top=${other.availTop},width=${other.availWidth},height=${other.availHeight}`;
   }
-  projector.window = window.open('projector', 'ffp-projector', place);
-  if (!projector.window) throw new Error('The browser blocked the projector window: allow this page to open windows.');
+  on.window = platform.projector(on.number, place);
+  if (!on.window) throw new Error('The browser blocked the projector window: allow this page to open windows.');
+  on.wire.peers.add(on.window); // where there is no channel, one that was open before a reload
+  on.wire.post({from: 'studio'});
 }
 
 // --- This browser's camera. ---
@@ -190,7 +196,7 @@ function tellLive(video) {
   const sharp = sharpness(video), shake = live.means.length === 30 ? flicker(live.means) : 0;
   live.best = Math.max(live.best, sharp);
   const says = [[`${share(clipped)} clipped`, clipped > 0.02 && 'expose for less long'], [`${share(dark)} too dark`, dark > 0.9 && 'hardly any light arrives'],
-    [`${Math.round(100 * sharp / live.best)} % as sharp as at best so far`, sharp < 0.7 * live.best && 'turn the focus back'],
+    [`${Math.round(100 * sharp / Math.max(live.best, 1e-9))} % as sharp as at best so far`, sharp < 0.7 * live.best && 'turn the focus back'],
     [`brightness varies by ${(100 * shake).toFixed(1)} %`, shake > 0.01 && 'the light flickers: expose for a multiple of 1/100 or 1/120 s, or of the projector\u2019s frame']];
   $('live-says').replaceChildren(...says.map(([text, advice]) => element('li', {className: advice ? 'doubt' : '', textContent: advice ? `${text} \u2013 ${advice}` : text})));
 }
@@ -215,4 +221,4 @@ async function showForLive(what) {
 }
 $('live-white').addEventListener('click', () => attempt(() => showForLive({colour: '#fff'})));
 $('live-black').addEventListener('click', () => attempt(() => showForLive({colour: '#000'})));
-$('live-chart').addEventListener('click', () => attempt(() => showForLive({file: 'file/patterns/000_focus.png'})));
+$('live-chart').addEventListener('click', () => attempt(() => platform.blob('patterns/000_focus.png').then((image) => showForLive({image}))));

@@ -1,5 +1,5 @@
 'use strict';
-// The page and its server: requests, the state that comes back, messages.
+// The page and what it stands on (platform, of studio_server.js or studio_page.js): requests, the state that comes back, messages.
 
 const $ = (id) => document.getElementById(id);
 const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
@@ -12,11 +12,12 @@ function say(text) {
   toastTimer = setTimeout(() => $('toast').classList.remove('shown'), 7000);
 }
 
-// The server's last answer; everything on the page follows from it.
+// The last state; everything on the page follows from it.
 const studio = {state: null, gone: false, listeners: []};
 
 function accept(state) {
-  if (state.version === undefined) return studio.state; // nothing new
+  const {state: now} = studio;
+  if (state.version === undefined || (now && state.run === now.run && state.version < now.version)) return now; // nothing new, or overtaken on the way
   studio.state = state;
   for (const listener of studio.listeners) listener(state);
   return state;
@@ -24,14 +25,7 @@ function accept(state) {
 
 // A request that changes something; throws what the server says against it.
 async function ask(path, body) {
-  let answer;
-  try {
-    answer = await fetch(path, {method: 'POST', body});
-  } catch {
-    throw new Error('The studio does not answer: it has ended. Start it again with the same folder; nothing is lost.');
-  }
-  if (!answer.headers.get('Content-Type').startsWith('application/json')) throw new Error(await answer.text());
-  const state = await answer.json();
+  const state = await platform.post(path, body);
   accept(state);
   if (state.error) throw new Error(state.error);
   return state;
@@ -48,20 +42,19 @@ function tellGone(gone) {
   if (studio.gone && !gone) say('The studio is back.');
   studio.gone = gone;
   $('gone').hidden = !gone;
-  const folder = studio.state ? studio.state.folder : '';
-  $('again').textContent = folder ? `ffprocams studio '${folder.replace(/'/g, "'\\''")}'` : '';
+  const {folder, program} = studio.state || {}, quoted = (text) => `'${text.replace(/'/g, "'\\''")}'`;
+  $('again').textContent = folder ? `${program ? quoted(program) : 'ffprocams'} studio ${quoted(folder)}` : '';
   document.body.classList.toggle('gone', gone);
 }
 
 async function refresh() {
   const known = studio.state ? studio.state.version : 0;
   try {
-    const answer = await fetch('state?known=' + known);
-    if (!answer.ok) throw new Error(await answer.text());
-    accept(await answer.json());
+    accept(await platform.state(known));
     tellGone(false);
-  } catch {
-    tellGone(true);
+  } catch (error) {
+    if (platform.served) tellGone(true);
+    else say(error.message);
   }
 }
 
@@ -73,10 +66,9 @@ async function follow() {
   }
 }
 
-async function textOf(path) {
-  const answer = await fetch('file/' + path);
-  return answer.ok ? answer.text() : '';
-}
+// "" where there is no such file.
+const textOf = (path) => platform.blob(path).then((blob) => blob.text(), () => '');
+const imageOf = async (path) => createImageBitmap(await platform.blob(path));
 
 function element(name, attributes, ...children) {
   const made = document.createElement(name);

@@ -3,7 +3,6 @@
 
 const tried = []; // a line of the table for each comparison since the page was opened
 
-const isTrial = (name) => name.endsWith('/now');
 const patternName = (file) => file.replace(/^.*\/|^\d+_|\.png$/g, '').replace(/^\d+_/, '');
 
 function refill(select, options) {
@@ -16,9 +15,9 @@ function refill(select, options) {
 }
 
 function drawNow(state, object) {
-  const views = object.sets.filter((set) => set.name.includes('/view-')), busy = isRunning(state) || shooting.running;
+  const views = object.sets.filter(isStop), busy = isRunning(state) || shooting.running;
   refill($('now-view'), views.map((set) => [set.name.slice(set.name.lastIndexOf('/') + 1), titleOf(set)]));
-  const shown = state.patterns.filter((file) => /^\d{3}_/.test(file) && !/^000_|_(black|white)\.png$/.test(file)).sort((a, b) => a.includes('gray') - b.includes('gray'));
+  const shown = state.patterns.filter((file) => /^\d{3}_/.test(file) && !/^000_|_(black|white)\.png$|gray/.test(file)); // codes are not pictures
   refill($('now-pattern'), [...shown.map((file) => [file, patternName(file)]), ['own', 'A picture of your own\u2026']]);
   $('now-turned-field').hidden = !isVirtual();
   $('now-go').disabled = busy;
@@ -30,9 +29,7 @@ function drawNow(state, object) {
 }
 
 async function overBlack(canvas, path) {
-  const answer = await fetch(path);
-  if (!answer.ok) throw new Error(`${path} cannot be read`);
-  const image = await createImageBitmap(await answer.blob());
+  const image = await imageOf(path);
   canvas.width = image.width, canvas.height = image.height;
   const context = canvas.getContext('2d', {alpha: false, willReadFrequently: true});
   context.drawImage(image, 0, 0);
@@ -51,8 +48,8 @@ async function turnedSince(object) {
 async function tellNow(state, object) {
   const {trial} = state.settings, id = alone() ? trial.view : trial.view.slice(5), name = trial.pattern === 'own' ? 'own' : patternName(trial.pattern);
   const folder = `objects/${object.name}/now/${object.aligned ? 'aligned' : 'capture'}`;
-  const real = await overBlack($('now-real'), `file/${folder}/${id}_${name}.png`);
-  const told = await overBlack($('now-told'), `file/${folder}/predicted/${object.name}/${id}_${name}.png`);
+  const real = await overBlack($('now-real'), `${folder}/${id}_${name}.png`);
+  const told = await overBlack($('now-told'), `${folder}/predicted/${object.name}/${id}_${name}.png`);
   const canvas = $('now-difference'), context = canvas.getContext('2d', {alpha: false}), apart = new ImageData(real.width, real.height);
   for (let i = 0; i < apart.data.length; i++) apart.data[i] = i % 4 === 3 ? 255 : Math.min(255, ENLARGED * Math.abs(real.data[i] - told.data[i]));
   canvas.width = real.width, canvas.height = real.height;
@@ -62,7 +59,7 @@ async function tellNow(state, object) {
   const what = found ? `devices found again: camera turned by ${found.camera.toFixed(2)}\u00b0, projector by ${found.projector.toFixed(2)}\u00b0` : `${Number(trial.view.slice(5))}\u00b0, ${name}${trial.turned ? `, table off by ${trial.turned}\u00b0` : ''}`;
   tried.push([what, row.psnr.toFixed(2), row.psnr_foreground.toFixed(2)]);
   $('now-scores').tBodies[0].replaceChildren(...tried.slice(-8).map((cells) => element('tr', {}, ...cells.map((text) => element('td', {textContent: text})))));
-  $('now-report').href = `file/${folder}/report.html`;
+  platform.put($('now-report'), `${folder}/report.html`);
   $('now-pictures').hidden = false;
 }
 
@@ -77,7 +74,7 @@ async function sendOwn(file) {
 async function compareNow() {
   const object = objectNow(studio.state), turned = isVirtual() ? Math.round(number('now-turned')) : 0;
   await doIt({verb: 'try', view: $('now-view').value, pattern: $('now-pattern').value, turned});
-  await shootAll([`objects/${object.name}/now`]);
+  await shootAll([{name: `objects/${object.name}/now`, kind: 'trial'}]);
 }
 
 $('now-go').addEventListener('click', () => attempt(compareNow));

@@ -2,18 +2,17 @@
 // The window on the projector: shows each pattern pixel for pixel, and says so when it is on the screen.
 
 const canvas = document.querySelector('canvas'), hint = document.querySelector('p');
-const channel = new BroadcastChannel('studio ' + location.pathname.replace(/[^/]*$/, ''));
+const place = location.protocol.startsWith('http') ? location.pathname.replace(/[^/]*$/, '') : '';
+const wire = new Wire(`studio ${place}${window.name.split('-').pop() || 1}`, hear);
 const painted = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
 
 // The window's size in the display's own pixels.
 const panel = () => [Math.round(innerWidth * devicePixelRatio), Math.round(innerHeight * devicePixelRatio)];
 
-const tell = (more) => channel.postMessage({from: 'projector', panel: panel(), ...more});
+const tell = (more) => wire.post({from: 'projector', panel: panel(), ...more});
 
-async function show(id, file) {
-  const answer = await fetch(file);
-  if (!answer.ok) return tell({id, failed: `${file} cannot be read`});
-  const image = await createImageBitmap(await answer.blob());
+async function show(id, picture) {
+  const image = await createImageBitmap(picture);
   canvas.width = image.width, canvas.height = image.height;
   canvas.style.width = image.width / devicePixelRatio + 'px', canvas.style.height = image.height / devicePixelRatio + 'px';
   canvas.getContext('2d', {alpha: false}).drawImage(image, 0, 0);
@@ -35,13 +34,12 @@ function fullScreen() {
   else document.documentElement.requestFullscreen().catch(() => {});
 }
 
-channel.onmessage = ({data}) => {
+function hear(data) {
   if (data.from !== 'studio') return;
-  // A window that closes stops loading first, so a failure waits until the window would have said that it is closed.
-  if (data.file) show(data.id, data.file).catch((error) => setTimeout(() => tell({id: data.id, failed: String(error)}), 300));
+  if (data.image) show(data.id, data.image).catch((error) => tell({id: data.id, failed: String(error)}));
   else if (data.colour) fill(data.id, data.colour);
   else tell({});
-};
+}
 document.addEventListener('click', fullScreen);
 document.addEventListener('keydown', (event) => { if (event.key === 'f' || event.key === 'F') fullScreen(); });
 addEventListener('resize', () => tell({}));

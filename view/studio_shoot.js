@@ -2,26 +2,25 @@
 // Taking a set of photographs: the server says what is due, the projector shows it, the camera takes it. Whatever
 // ends this in the middle, the next photograph is the first that is not on disk.
 
-const shooting = {running: false, pause: false, go: null, asked: false}; // asked: a person has just said that all is ready
+const shooting = {running: false, pause: false, go: null, asked: false, at: null}; // asked: a person has just said that all is ready; at: degrees to which the table was turned
 
 const DARK = 8, CLIPPED = 250; // of 255
 const isVirtual = () => studio.state.settings.camera === 'virtual';
 
 // "calibration/attitude-03": "Board 4"
-function titleOf(set) {
-  const name = set.name.slice(set.name.lastIndexOf('/') + 1), [kind, number] = name.split('-');
-  if (kind === 'attitude') return `Board ${Number(number) + 1}`;
-  if (kind === 'now') return 'As it is now';
-  return kind === 'turntable' ? 'On the turntable' : kind === 'empty' ? 'Empty stage' : `${Number(number)}\u00b0`;
+function titleOf({name, kind}) {
+  const titles = {table: 'On the turntable', empty: 'Empty stage', trial: 'As it is now'}, number = Number(name.slice(name.lastIndexOf('-') + 1));
+  if (kind === 'attitude') return `Board ${number + 1}`;
+  return titles[kind] || `${number}\u00b0${kind === 'second' ? ', projector 2' : ''}`;
 }
 
 // Instructions for a person before a set, or before each photograph of the board on the turntable.
 function wishFor(set) {
-  const name = set.name.slice(set.name.lastIndexOf('/') + 1);
-  if (name.startsWith('attitude')) return set.done === 0 ? 'Hold the board still, tilted another way than before' + (studio.state.settings.camera === 'browser' ? ': it begins as soon as it is still.' : '.') : '';
-  if (name === 'turntable') return `Turn the table with the board on it to ${set.angle}\u00b0.`;
-  if (name === 'empty') return set.done === 0 ? 'Take the object off the stage.' : '';
-  return set.done === 0 ? `Turn the table with the object on it to ${set.angle}\u00b0.${name === 'now' ? ' What was moved stays as it is.' : ''}` : '';
+  if (set.kind === 'attitude') return set.done === 0 ? 'Hold the board still, tilted another way than before' + (studio.state.settings.camera === 'browser' ? ': it begins as soon as it is still.' : '.') : '';
+  if (set.kind === 'table') return `Turn the table with the board on it to ${set.angle}\u00b0.`;
+  if (isSecond(set) && shooting.at === set.angle) return ''; // it has been turned
+  if (set.kind === 'empty') return set.done === 0 ? 'Take the object off the stage.' : '';
+  return set.done === 0 ? `Turn the table with the object on it to ${set.angle}\u00b0.${set.kind === 'trial' ? ' What was moved stays as it is.' : ''}` : '';
 }
 
 // A picture to compare with others: 160 x 120.
@@ -76,9 +75,10 @@ async function takeOne(active) {
     if (state.active && state.active.name === name && state.active.done === active.done) await sleep(400); // being simulated
     return;
   }
-  const {panel} = await project({file: 'file/' + next.pattern}), {settings} = studio.state;
-  if (!settings.virtual && panel.some((side, i) => side !== settings.projector[i]))
-    throw new Error(`The projector window has ${panel.join(' x ')} pixels, the patterns ${settings.projector.join(' x ')}: put it full screen on the projector's display (F), at 100 %.`);
+  const {settings} = studio.state, size = active.panel || settings.projector;
+  const {panel} = await project({image: await platform.blob(next.pattern)}, active.panel ? secondProjector : projector);
+  if (!settings.virtual && panel.some((side, i) => side !== size[i]))
+    throw new Error(`The projector window has ${panel.join(' x ')} pixels, the patterns ${size.join(' x ')}: put it full screen on the projector's display (F), at 100 %.`);
   if (settings.camera === 'folder') {
     await doIt({verb: 'show', set: name, number: next.number});
     while (!shooting.pause && studio.state.active && studio.state.active.name === name && studio.state.active.done === active.done) await sleep(100);
@@ -95,7 +95,7 @@ async function checkStill(name, ending) {
   await project({colour: '#000'});
   await sleep(webcam.latency);
   const [before, after] = await Promise.all([
-    fetch(`file/${name}/001.${ending}`).then((answer) => answer.blob()).then(createImageBitmap), grab().then(createImageBitmap)]);
+    imageOf(`${name}/001.${ending}`), grab().then(createImageBitmap)]);
   const mean = difference(smallOf(before), smallOf(after));
   if (mean > 3) say(`Something moved, or the light changed, while this was photographed (${mean.toFixed(1)} of 255 between the first black and now): take it again.`);
 }
@@ -128,39 +128,52 @@ async function isBoardGood(name) {
   return false;
 }
 
-async function shootSet(name) {
-  let state = await doIt({verb: 'shoot', set: name}), ending = 'png', looked = !name.includes('attitude');
+async function shootSet({name, kind}) {
+  const isBoard = kind === 'attitude';
+  await darken(kind === 'second');
+  let state = await doIt({verb: 'shoot', set: name}), ending = 'png', looked = !isBoard;
   while (state.active && state.active.name === name && !shooting.pause) {
     const wish = isVirtual() ? '' : wishFor(state.active);
     if (wish && !shooting.asked) await waitForHand(wish, !looked);
     shooting.asked = false;
     if (shooting.pause) break;
+    if (isStop({kind}) || isSecond({kind})) shooting.at = state.active.angle;
     await takeOne(studio.state.active);
     state = studio.state;
     if (state.active) ending = state.active.ending || ending;
-    if (looked || !state.active || !state.active.shots.some((shot) => shot.there && shot.pattern.includes('_white.'))) continue;
+    if (looked || !state.active || !state.active.shots.some((shot) => shot.there && shot.white)) continue;
     looked = await isBoardGood(name);
     shooting.asked = !looked;
     state = studio.state;
   }
   if (shooting.pause) return;
-  if (name.includes('attitude')) await checkStill(name, ending);
-  if (alone() && name.includes('/view-') && objectNow(state).sets.filter((set) => set.name.includes('/view-') && complete(set)).length >= 3)
-    await doIt({verb: 'look', set: name}); // how well the rig is known by now, while the table is turned
+  if (isBoard) await checkStill(name, ending);
+  // How well the rig is known by now, while the table is turned; a page that would wait for it looks after the last stop.
+  const known = alone() && isStop({kind}) ? stopsOf(objectNow(state)).length : 0;
+  if (known >= 3 && (platform.served || objectNow(state).sets.every(complete))) await doIt({verb: 'look', set: name});
 }
 
 // Sets one after the other, as far as they are not complete.
-async function shootAll(names) {
+async function shootAll(sets) {
   if (shooting.running) return;
-  shooting.running = true, shooting.pause = shooting.asked = false;
+  shooting.running = true, shooting.pause = shooting.asked = false, shooting.at = null;
   await attempt(async () => {
-    if (!isVirtual() && !projector.isOpen) throw new Error('Open the projector window first (step 1).');
+    const last = sets[sets.length - 1];
+    if (!isVirtual() && sets.some((set) => !(isSecond(set) ? secondProjector : projector).isOpen)) throw new Error('Open the projector window first (step 1; the second one\u2019s in step Look, or Object).');
     if (studio.state.settings.camera === 'browser' && !webcam.stream) throw new Error('Open the camera first (step 1).');
-    for (const name of names) if (!shooting.pause) await shootSet(name);
-    if (!shooting.pause && isTrial(names[names.length - 1])) await doIt({verb: 'run', step: 'now'});
+    for (const set of sets) if (!shooting.pause) await shootSet(set);
+    if (!shooting.pause && last.kind === 'trial') await doIt({verb: 'run', step: 'now'});
+    if (!shooting.pause && isSecond(last) && objectNow(studio.state).second.view !== 'every') await findSecond();
   });
   shooting.running = false;
   for (const listener of studio.listeners) listener(studio.state);
+}
+
+// With the set that was begun, and on the simulated rig with those after it.
+function goOn({active, sets, objects}) {
+  const list = [sets, ...objects.map((object) => object.sets)].find((some) => some.some(({name}) => name === active.name)) || [active];
+  const missing = list.filter((set) => set.done < set.count && set.name !== active.name);
+  shootAll(isVirtual() ? [active, ...missing] : [active]);
 }
 
 $('shooting-go').addEventListener('click', () => shooting.go && shooting.go());
@@ -168,7 +181,7 @@ $('shooting-stop').addEventListener('click', () => {
   if (shooting.running) {
     shooting.pause = true;
     if (shooting.go) shooting.go();
-  } else shootAll([studio.state.active.name]);
+  } else goOn(studio.state);
 });
 
 // --- What is seen meanwhile. ---
@@ -204,17 +217,15 @@ function tellExposure(pixels) {
 
 // The newest photograph, and the histogram of the newest under white.
 async function drawTaken(set, shot) {
-  const path = `file/${set.name}/${String(shot.number).padStart(3, '0')}.${set.ending}`;
+  const path = `${set.name}/${String(shot.number).padStart(3, '0')}.${set.ending}`;
   if (drawn === path) return;
   drawn = path;
-  const answer = await fetch(path);
-  if (!answer.ok) return;
-  const image = await createImageBitmap(await answer.blob()), canvas = $('taken');
+  const image = await imageOf(path), canvas = $('taken');
   canvas.width = 320, canvas.height = Math.max(1, Math.round(320 * image.height / image.width));
   const context = canvas.getContext('2d', {willReadFrequently: true});
   context.drawImage(image, 0, 0, canvas.width, canvas.height);
   $('taken-name').textContent = `photograph ${shot.number}, ${image.width} x ${image.height}`;
-  if (shot.pattern.includes('_white.')) tellExposure(context.getImageData(0, 0, canvas.width, canvas.height).data);
+  if (shot.white) tellExposure(context.getImageData(0, 0, canvas.width, canvas.height).data);
 }
 
 studio.listeners.push((state) => {
@@ -224,7 +235,7 @@ studio.listeners.push((state) => {
   $('shooting-what').textContent = `${titleOf(active)}: ${active.done} of ${active.count}`;
   $('shooting-bar').style.width = 100 * active.done / active.count + '%';
   $('shooting-stop').textContent = shooting.running ? 'Pause' : 'Go on';
-  if ($('shown').dataset.file !== active.next.pattern) $('shown').src = 'file/' + ($('shown').dataset.file = active.next.pattern);
+  if ($('shown').dataset.file !== active.next.pattern) platform.put($('shown'), $('shown').dataset.file = active.next.pattern);
   $('shown-name').textContent = patternName(active.next.pattern);
   const there = active.shots.filter((shot) => shot.there);
   if (there.length > 0) drawTaken(active, there[there.length - 1]).catch(() => {});

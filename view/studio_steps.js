@@ -1,15 +1,18 @@
 'use strict';
 // The steps: what each shows for the state that the server tells, and what its buttons ask for.
 
-const STEPS = ['rig', 'board', 'object', 'look'];
+const STEPS = ['rig', 'board', 'object', 'look', 'show'];
 let step = '';
 
 // The steps are the browser's history, too.
 function showStep(name, again = false) {
-  if (!again && step && step !== name) history.pushState({step: name}, '', '#' + name);
-  else history.replaceState({step: name}, '', '#' + name);
+  const place = platform.served ? ['#' + name] : []; // a frame has no address
+  if (!again && step && step !== name) history.pushState({step: name}, '', ...place);
+  else history.replaceState({step: name}, '', ...place);
   step = name;
-  for (const id of STEPS) $(id).hidden = id !== name;
+  const section = name === 'show' ? 'look' : name; // the same viewer, large
+  for (const id of STEPS.slice(0, -1)) $(id).hidden = id !== section;
+  document.body.classList.toggle('show', name === 'show');
   for (const button of document.querySelectorAll('#steps button'))
     if (button.dataset.step === name) button.setAttribute('aria-current', 'step'); else button.removeAttribute('aria-current');
   if (studio.state) drawState(studio.state);
@@ -32,11 +35,11 @@ function firstOpen(state) {
 
 function drawSteps(state) {
   const object = objectNow(state), boards = state.sets.filter(complete).length;
-  const done = {rig: state.patterns.length > 0, board: state.calibrated && state.axis, object: !!object && object.sets.every(complete), look: !!object && object.view};
+  const done = {rig: state.patterns.length > 0, board: state.calibrated && state.axis, object: !!object && object.sets.every(complete), look: !!object && object.view, show: false};
   const says = {rig: done.rig ? `${state.settings.projector.join(' x ')}` : 'camera, projector, patterns',
     board: done.board ? 'done' : `${boards} of ${state.sets.length}`,
     object: object ? `${object.name}: ${object.sets.filter(complete).length} of ${object.sets.length}` : 'photograph it',
-    look: done.look ? 'light it as you like' : 'not yet'};
+    look: done.look ? 'light it as you like' : 'not yet', show: done.look ? 'windows, cues, GO' : 'not yet'};
   let count = 0;
   for (const button of document.querySelectorAll('#steps button')) {
     button.hidden = button.dataset.step === 'board' && alone();
@@ -70,7 +73,7 @@ function drawRig(state) {
     ? 'This rig is simulated: nothing has to be built or held. Draw the patterns, and go on.'
     : 'Camera and projector stay where they are from now on: focus, aperture and zoom fixed, no keystone correction.';
   for (const button of document.querySelectorAll('#cameras button')) {
-    button.hidden = button.dataset.camera === 'virtual' && !virtual;
+    button.hidden = (button.dataset.camera === 'virtual' && !virtual) || (button.dataset.camera === 'folder' && !platform.served);
     button.setAttribute('aria-pressed', button.dataset.camera === settings.camera);
   }
   for (const kind of ['browser', 'folder', 'virtual']) $('camera-' + kind).hidden = settings.camera !== kind;
@@ -109,7 +112,7 @@ $('square').addEventListener('change', () => setTo({square: number('square')}));
 $('attitudes').addEventListener('change', () => setTo({attitudes: number('attitudes')}));
 $('angles').addEventListener('change', () => setTo({board_angles: $('angles').value.split(/[\s,;]+/).filter(Boolean).map(Number)}));
 $('open-camera').addEventListener('click', () => attempt(openCamera));
-$('projector-open').addEventListener('click', () => attempt(openProjector));
+$('projector-open').addEventListener('click', () => attempt(() => openProjector()));
 $('latency').addEventListener('click', () => attempt(async () => {
   $('latency').disabled = true;
   try { await measureLatency(); } finally { $('latency').disabled = false; }
@@ -123,7 +126,7 @@ $('draw').addEventListener('click', () => runStep('patterns'));
 // The photograph that shows a set: under white.
 function pictureOf(set) {
   if (set.done < 3 && !set.name.endsWith('turntable')) return '';
-  return `file/${set.name}/${set.name.endsWith('turntable') ? '000' : '002'}.${set.ending}`;
+  return `${set.name}/${set.name.endsWith('turntable') ? '000' : '002'}.${set.ending}`;
 }
 
 function drawSets(id, sets, state) {
@@ -142,22 +145,24 @@ function drawSets(id, sets, state) {
     const board = boards.get(set.name);
     tile.querySelector('small').textContent = complete(set) ? board && board.found ? `tilted by ${Math.round(board.tilt)}\u00b0` : 'done' : set.done > 0 ? `${set.done} of ${set.count}` : set.count > 0 ? `${set.count} photographs` : '';
     tile.querySelector('.again').hidden = set.done === 0 || shooting.running;
-    const shown = tile.firstChild.tagName === 'IMG' ? tile.firstChild.getAttribute('src') : '';
-    if (shown !== picture) tile.firstChild.replaceWith(picture ? element('img', {src: picture, alt: ''}) : element('div', {className: 'none'}));
+    if ((tile.dataset.picture || '') === picture) return;
+    tile.dataset.picture = picture;
+    tile.firstChild.replaceWith(element(picture ? 'img' : 'div', picture ? {alt: ''} : {className: 'none'}));
+    if (picture) platform.put(tile.firstChild, picture);
   });
 }
 
 function drawShoot(id, sets, state) {
   const missing = sets.filter((set) => !complete(set));
-  $(id).hidden = missing.length === 0;
+  $(id).hidden = missing.length === 0 || (!!state.active && !shooting.running && missing[0].name === state.active.name); // "Go on" does it
   $(id).disabled = missing.length === 0 || shooting.running || missing[0].count === 0 || isRunning(state);
   if (missing.length > 0) $(id).textContent = isVirtual() ? `Photograph ${missing.length === sets.length ? 'all' : 'the rest'}` : `Photograph: ${titleOf(missing[0])}`;
 }
 
 // The simulated rig changes the board and turns the table by itself.
 function shootMissing(sets) {
-  const missing = sets.filter((set) => !complete(set)).map((set) => set.name);
-  shootAll(isVirtual() ? missing : missing.slice(0, 1));
+  const missing = sets.filter((set) => !complete(set));
+  shootAll(isVirtual() ? missing : missing.slice(0, missing[1] && isSecond(missing[1]) && !isSecond(missing[0]) ? 2 : 1)); // both at a stop
 }
 
 // --- 2: the chessboard. ---
@@ -206,7 +211,7 @@ function drawBoards(state) {
 }
 
 function drawBoard(state) {
-  const boards = state.sets.filter((set) => set.name.includes('attitude') && complete(set)).length;
+  const boards = state.sets.filter((set) => set.kind === 'attitude' && complete(set)).length;
   drawSets('board-sets', state.sets, state);
   drawShoot('board-shoot', state.sets, state);
   $('calibrate').disabled = boards < 3 || isRunning(state) || shooting.running;
@@ -220,7 +225,9 @@ function drawBoard(state) {
 
 // A job's log is read again when one has ended.
 const told = {};
-const stamp = (state, name) => `${state.settings.object} ${state.job.name === name ? state.job.end + state.job.seconds : 'before'}`;
+const stamp = (state, name) => `${state.settings.object} ${state.job.name === name ? state.job.end + state.job.seconds + pagesOf(state) : 'before'}`;
+// Pages that the job has written: of a reconstruction first the draft's.
+const pagesOf = ({job}) => job.commands.slice(0, job.current).filter((line) => line.startsWith('ffprocams view ')).length;
 
 // The calibration's files: OpenCV's FileStorage, and the axis' JSON.
 const fitOf = async (file) => new DOMParser().parseFromString(await textOf(file), 'text/xml').documentElement;
@@ -265,29 +272,48 @@ $('fix').addEventListener('click', () => attempt(async () => {
 
 // --- 3: the object. ---
 
+// Only when they change: a press or a focus would get lost.
+function drawTabs({objects, settings}, object) {
+  const shown = JSON.stringify([objects.map(({name}) => name), settings.object]);
+  if ($('object-tabs').dataset.shown === shown) return;
+  $('object-tabs').dataset.shown = shown;
+  $('object-tabs').replaceChildren(...objects.map(({name}) => {
+    const tab = element('button', {className: 'small', textContent: name, onclick: () => attempt(() => doIt({verb: 'object', name}))});
+    tab.setAttribute('aria-pressed', name === settings.object);
+    return tab;
+  }), ...(object ? [element('button', {className: 'small', textContent: 'Another', onclick: () => { $('object-new').dataset.wanted = 'yes'; drawObject(studio.state); }})] : []));
+}
+
 function drawObject(state) {
   const object = objectNow(state);
   $('object-lead').textContent = isVirtual() ? 'The simulated turntable turns by itself.'
     : 'Put the object on the turntable. At each stop the patterns are photographed; then turn it to the next angle.';
   $('object-coded-field').hidden = alone();
   $('object-new').hidden = !!object && !$('object-new').dataset.wanted;
-  $('object-tabs').replaceChildren(...state.objects.map((o) => {
-    const tab = element('button', {className: 'small', textContent: o.name, onclick: () => attempt(() => doIt({verb: 'object', name: o.name}))});
-    tab.setAttribute('aria-pressed', o.name === state.settings.object);
-    return tab;
-  }), ...(object ? [element('button', {className: 'small', textContent: 'Another', onclick: () => { $('object-new').dataset.wanted = 'yes'; drawObject(studio.state); }})] : []));
+  drawTabs(state, object);
   drawSets('object-sets', object ? object.sets : [], state);
-  $('object-shoot').hidden = $('make').hidden = !object;
+  $('object-shoot').hidden = $('make').hidden = $('quality').hidden = !object;
   if (!object) return state.patterns.length === 0 ? tellWhy('object-note', 'The patterns are not drawn yet:', 'rig') : tellWhy('object-note', '');
   drawShoot('object-shoot', object.sets, state);
-  const all = object.sets.every(complete);
+  const all = object.sets.filter((set) => !isSecond(set)).every(complete);
   $('make').disabled = !all || (!alone() && !state.axis) || isRunning(state) || shooting.running;
   $('make').classList.toggle('primary', all && !object.view);
+  drawQuality(state, object);
   drawKnown(state, object);
   if (state.patterns.length === 0) tellWhy('object-note', 'The patterns are not drawn yet:', 'rig');
   else if (!alone() && !state.axis) tellWhy('object-note', 'The rig is not calibrated yet:', 'board');
   else tellWhy('object-note', all ? '' : 'Photograph all stops before you reconstruct it.');
 }
+
+function drawQuality({settings}, {expected}) {
+  for (const input of document.querySelectorAll('#quality input')) {
+    const seconds = expected[input.value];
+    input.parentElement.lastElementChild.textContent = (input.value === 'fine' ? 'Fine' : 'Draft') + (seconds < 1 ? '' : seconds < 90 ? `, about ${Math.ceil(seconds / 5) * 5} s` : `, about ${Math.round(seconds / 60)} minutes`);
+    input.checked = (input.value === 'draft') === !!settings.draft;
+  }
+}
+for (const input of document.querySelectorAll('#quality input'))
+  input.addEventListener('change', () => setTo({draft: input.value === 'draft'}));
 
 // --- How well the stops so far determine the rig. ---
 
@@ -301,7 +327,7 @@ async function knownFigures(folder) {
 }
 
 async function tellKnown(state, object) {
-  told.known = stampOf(state.eye, object);
+  const stamp = told.known = stampOf(state.eye, object);
   const findings = JSON.parse(await textOf('logs/known.json') || '{"findings": []}').findings.filter((finding) => !isPassed(finding));
   $('known').hidden = false;
   $('known-says').replaceChildren(...findings.map(findingItem));
@@ -312,12 +338,28 @@ async function tellKnown(state, object) {
   }
   const {focal, axis, good} = await knownFigures(`objects/${object.name}/known`), percent = (part) => (100 * part).toFixed(1) + ' %';
   const figures = [['focal lengths, camera and projector', `to ${percent(focal[0])} and ${percent(focal[1])}`], ['the turntable\u2019s axis', `to ${axis.tilt.toFixed(2)} degrees`],
-    ['surfaces of the stops agree', `within ${axis.rms.toFixed(2)} pixels`], ['stops used', `${axis.views.length - axis.left_out.length} of ${axis.views.length}`]];
+    ['surfaces of the stops agree', `within ${axis.rms.toFixed(2)} pixels`], ['by stops', '']];
   $('known-verdict').textContent = good ? 'Camera, projector and axis are known well enough: go on' : 'Camera, projector and axis are known roughly: further stops tell more';
-  // stops that were completed while this was computed
-  if (object.sets.filter((set) => set.name.includes('/view-') && complete(set)).length > axis.views.length && !shooting.running)
-    await doIt({verb: 'look', set: object.sets[object.sets.length - 1].name});
+  told.used = {...axis, name: object.name, stamp};
   $('known-figures').replaceChildren(...figures.flatMap(([name, value]) => [element('dt', {textContent: name}), element('dd', {textContent: value})]));
+  const now = objectNow(studio.state);
+  if (now && isUsedOf(now)) drawKnown(studio.state, now);
+}
+
+const isUsedOf = ({name}) => !!told.used && told.used.name === name; // not another object's
+const stopsOf = (object) => object.sets.filter((set) => isStop(set) && complete(set));
+
+// "4 of 9": of those that are photographed by now, which change after this was found, the stops that it was found from.
+function usedStops({views, left_out}, object) {
+  const done = stopsOf(object).length, used = views.length - left_out.length;
+  const since = done > views.length ? `, ${done - views.length} photographed since` : done < views.length ? `, ${views.length - done} discarded since` : '';
+  return `${used} of ${Math.max(done, views.length)}${left_out.length ? `, ${left_out.length} left out` : ''}${since}`;
+}
+
+function tellUsed(object) {
+  if (!isUsedOf(object)) return;
+  const line = $('known-figures').lastElementChild, text = line && usedStops(told.used, object);
+  if (line && line.textContent !== text) line.textContent = text;
 }
 
 const stampOf = (eye, object) => `${object.name} ${eye.end} ${eye.seconds}`;
@@ -326,10 +368,19 @@ function drawKnown(state, object) {
   const {eye} = state;
   if (!alone() || eye.name !== 'known' || eye.end === 'none' || object.sets.every((set) => set.done === 0)) $('known').hidden = true;
   else if (eye.end !== 'running' && told.known !== stampOf(eye, object)) tellKnown(state, object);
+  else tellUsed(object);
+  // once more after a look, for stops that were completed while it ran
+  const stamp = stampOf(eye, object);
+  if (platform.served && isUsedOf(object) && told.used.stamp === stamp && eye.end === 'done' && !shooting.running && !isRunning(state) && stopsOf(object).length > told.used.views.length && told.late !== stamp) {
+    told.late = stamp;
+    attempt(() => doIt({verb: 'look', set: object.sets[object.sets.length - 1].name}));
+  }
 }
 
 $('object-add').addEventListener('click', () => attempt(async () => {
+  const size = $('object-second').checked ? secondSize() : null;
   await doIt({verb: 'object', name: $('object-name').value.trim(), stops: number('object-stops'), coded: $('object-coded').checked, empty: $('object-empty').checked});
+  if (size) await beginSecond('every', size);
   delete $('object-new').dataset.wanted;
   drawObject(studio.state);
 }));
@@ -339,33 +390,71 @@ $('make').addEventListener('click', () => runStep('make'));
 // --- 4: the relit object. ---
 
 function drawLook(state) {
-  const object = objectNow(state), making = isRunning(state, 'make');
+  const object = objectNow(state), busy = isRunning(state, 'make'), making = busy && pagesOf(state) === 0;
   $('viewer').hidden = !object || !object.view || making;
   for (const card of document.querySelectorAll('#look > .row, #look > .card')) card.classList.toggle('waits', !object || !object.view);
   if (object && object.view) tellWhy('look-note', '');
   else if (making) tellWhy('look-note', 'The object is being reconstructed.');
   else tellWhy('look-note', object ? 'The object is not reconstructed yet:' : 'There is no object yet:', 'object');
   if (!object || !object.view || making) return;
-  const page = `file/objects/${object.name}/view.html`, mark = page + stamp(state, 'make');
-  if (step === 'look' && $('viewer').dataset.mark !== mark) $('viewer').dataset.mark = mark, $('viewer').src = page;
-  $('viewer-alone').href = page;
-  $('download').href = `file/objects/${object.name}/object.ply`, $('download').download = object.name + '.ply';
+  const page = `objects/${object.name}/view.html`, mark = page + stamp(state, 'make');
+  drawMade(state, object, busy);
+  if ((step === 'look' || step === 'show') && $('viewer').dataset.mark !== mark) showPage(page, mark);
+  openGroup(step === 'show' ? 'show' : '');
+  platform.put($('viewer-alone'), page);
+  if (!platform.served) $('viewer-alone').download = object.name + '.html', $('viewer-alone').textContent = 'The live page, to open from disk: projector windows, a show';
+  $('download').download = object.name + '.ply';
+  platform.put($('download'), `objects/${object.name}/object.ply`);
   $('evaluate').disabled = isRunning(state);
-  if (told.make !== stamp(state, 'make')) tellChecks(state, object);
+  if (!busy && told.make !== stamp(state, 'make')) tellChecks(state, object); // the log is written at the job's end
   if (told.evaluate !== stamp(state, 'evaluate')) tellScores(state, object);
   drawNow(state, object);
+  drawSecond(state, object);
+}
+
+// A projected picture stays until the person says otherwise.
+function showPage(page, mark, now = false) {
+  const {viewer} = viewerOf(), waits = !now && !!viewer && $('viewer').dataset.page === page && viewer.projectors.some((projector) => projector.window.isOpen);
+  $('newer').hidden = !waits;
+  $('newer').onclick = () => showPage(page, mark, true);
+  if (waits) return;
+  $('viewer').dataset.mark = mark, $('viewer').dataset.page = page;
+  platform.put($('viewer'), page);
+}
+
+function drawMade({settings, job}, {pixels}, busy) {
+  const draft = busy || (job.name === 'make' ? pagesOf({job}) === 1 : !!settings.draft);
+  $('made').firstElementChild.textContent = (draft ? `A draft, from pictures ${settings.width} pixels wide` : pixels ? `Made at ${pixels[0]} of ${pixels[1]} pixels, the object's longer side` : '')
+    + (busy ? "; the fine one is being made, and follows." : "");
+}
+
+// In the viewer's panel: opens the group for a show when its step is entered.
+function openGroup(name) {
+  const page = viewerOf(), mark = name + $('viewer').dataset.mark;
+  if ($('viewer').dataset.group === mark || !page.viewer || !page.document.body.classList.contains('ready')) return;
+  $('viewer').dataset.group = mark;
+  if (name) page.openShow();
+}
+$('viewer').addEventListener('load', async () => { if (await viewerOf().ready) drawLook(studio.state); }); // it can be opened from now on
+
+// A verdict on the photographs, in words.
+function tellVerdict(doubts, count) {
+  const worst = doubts.find(({severity}) => severity === 'fault') || doubts[0], more = doubts.length - 1;
+  $('verdict').textContent = !count ? '' : !worst ? `Good: ${count} checks found nothing to mend.`
+    : `${worst.severity === 'fault' ? 'Photograph it again' : 'Usable; better photographed again'}, because of its ${worst.subject}: ${worst.text}${worst.advice ? ` (${worst.advice})` : ''}.${more ? ` ${more} more below.` : ''}`;
 }
 
 async function tellChecks(state, object) {
   told.make = stamp(state, 'make');
-  const findings = await findingsOf('make', object), passed = findings.filter(isPassed), doubts = findings.filter((finding) => !isPassed(finding));
+  const findings = await findingsOf('make', object), doubts = findings.filter(isDoubt), passed = findings.filter((finding) => !isDoubt(finding));
   $('checks-card').hidden = findings.length === 0;
   $('doubts').replaceChildren(...doubts.map(findingItem));
   $('checks').replaceChildren(...passed.map(findingItem));
-  $('passed').textContent = `${passed.length} of ${findings.length} checks are passed`;
+  $('passed').textContent = `${passed.length} of ${findings.length} checks found nothing to mend`;
+  tellVerdict(doubts, findings.length);
   $('masks-card').hidden = false;
   $('masks').onerror = () => { $('masks-card').hidden = true; };
-  $('masks').src = `file/objects/${object.name}/capture/masks.png`;
+  platform.put($('masks'), `objects/${object.name}/capture/masks.png`);
 }
 
 const PROTOCOLS = {rendering: 'the photographs it was made from', novel_pattern: 'the pattern that was kept from it', novel_pose: 'views that were kept from it'};
@@ -377,7 +466,7 @@ async function tellScores(state, object) {
   const rows = JSON.parse(await textOf(`objects/${object.name}/scores.json`));
   $('scores').tBodies[0].replaceChildren(...(rows.rows || rows).filter((row) => PROTOCOLS[row.protocol]).map((row) => element('tr', {},
     ...[PROTOCOLS[row.protocol], row.images, row.psnr.toFixed(2), row.ssim.toFixed(4)].map((text) => element('td', {textContent: text})))));
-  $('compared').href = `file/objects/${object.name}/report.html`;
+  platform.put($('compared'), `objects/${object.name}/report.html`);
   $('scores').hidden = $('compared').hidden = false;
 }
 
@@ -385,8 +474,8 @@ $('evaluate').addEventListener('click', () => runStep('evaluate'));
 
 // --- What works, and the shell. ---
 
-const WORK = {patterns: 'Drawing the patterns', calibrate: 'Calibrating', make: 'Making the capture, and reconstructing', evaluate: 'Comparing', now: 'Comparing with the photographs of now', register: 'Finding camera and projector again', watch: 'Keeping watch'};
-let before = '';
+const WORK = {patterns: 'Drawing the patterns', calibrate: 'Calibrating', make: 'Making the capture, and reconstructing', evaluate: 'Comparing', now: 'Comparing with the photographs of now', register: 'Finding camera and projector again', watch: 'Keeping watch', draw: 'Drawing its patterns', second: 'Finding the second projector'};
+let before = '', shownPages = 0;
 
 function drawWork(state) {
   const {job} = state, running = job.end === 'running';
@@ -396,13 +485,16 @@ function drawWork(state) {
   $('working-left').textContent = job.total > 0 ? `${job.done} of ${job.total}` : '';
   $('commands').textContent = job.commands.join('\n');
   $('log').textContent = job.log;
-  const ended = before === job.name + 'running' && !running;
-  before = job.name + job.end;
+  const ended = before === job.name + 'running' && !running, pages = running && job.name === 'make' ? pagesOf(state) : 0;
+  const drafted = pages > shownPages;
+  shownPages = pages, before = job.name + job.end; // showStep draws again
+  if (drafted) showStep('look');
   if (ended) {
     if (job.end === 'failed') {
       say(job.error || `${job.name} has failed; the log below says why.`);
       $('shell').open = true;
-    } else if (job.end === 'done' && job.name === 'make') showStep('look');
+    } else if (job.end === 'done' && job.name === 'make' && objectNow(state).second && objectNow(state).second.view === 'every' && complete(objectNow(state).second)) showStep('look'), attempt(findSecond);
+    else if (job.end === 'done' && job.name === 'make' && pagesOf(state) === 1) showStep('look'); // the draft alone
     else if (job.end === 'done' && job.name === 'patterns') showStep(alone() ? 'object' : 'board');
   }
 }
@@ -410,7 +502,7 @@ function drawWork(state) {
 $('cancel').addEventListener('click', () => attempt(() => doIt({verb: 'cancel'})));
 
 function drawState(state) {
-  $('folder').textContent = state.folder.slice(state.folder.lastIndexOf('/') + 1) || '/';
+  $('folder').textContent = platform.served ? state.folder.slice(state.folder.lastIndexOf('/') + 1) || '/' : 'in this browser';
   $('folder').title = state.folder;
   $('notice').hidden = !state.notice;
   $('notice').textContent = state.notice;
@@ -427,8 +519,10 @@ for (const button of document.querySelectorAll('#steps button'))
   button.addEventListener('click', () => showStep(button.dataset.step));
 
 addEventListener('popstate', ({state}) => { if (state && STEPS.includes(state.step)) showStep(state.step, true); });
-addEventListener('beforeunload', (event) => { if (shooting.running || watching.on) event.preventDefault(); }); // the browser asks
+addEventListener('beforeunload', (event) => { if (shooting.running || watching.on || platform.working) event.preventDefault(); }); // the browser asks
 
+for (const link of document.querySelectorAll('a[data-file]')) platform.put(link, link.dataset.file);
+document.body.classList.toggle('served', platform.served);
 refresh().then(() => {
   if (studio.state) showStep(STEPS.find((name) => '#' + name === location.hash) || firstOpen(studio.state), true);
   window.ready = true;

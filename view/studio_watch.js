@@ -57,16 +57,14 @@ const viewerOf = () => $('viewer').contentWindow;
 async function pictureOfShow(page) {
   const {viewer} = page, projector = viewer.projectors.find((p) => p.window.isOpen) || viewer.projectors[0];
   viewer.updatePatterns();
-  const {width, height, data} = page.panelPicture(viewer.graphics, projector, viewer.scene.panel, watching.kept = watching.kept || {});
+  const {width, height, data} = page.panelPicture(viewer.graphics, projector, projector.panel, watching.kept = watching.kept || {});
   const canvas = element('canvas', {width, height}), copy = new Uint8ClampedArray(data);
   canvas.getContext('2d', {alpha: false}).putImageData(new ImageData(copy, width, height), 0, 0);
   return {projector, pixels: new Uint32Array(copy.buffer), blob: await new Promise((done) => canvas.toBlob(done, 'image/png'))};
 }
 
 async function smallPhotograph(path) {
-  const answer = await fetch(path);
-  if (!answer.ok) throw new Error(`The photograph ${path} cannot be read (${answer.status}).`);
-  const image = await createImageBitmap(await answer.blob());
+  const image = await imageOf(path);
   try {
     return smallOf(image);
   } finally {
@@ -83,7 +81,7 @@ async function photographShow(name) {
     else await ask(`photograph?set=${name}&number=${number}`, await grab());
     state = studio.state;
   }
-  return smallPhotograph(`file/${name}/${String(number).padStart(3, '0')}.png`);
+  return smallPhotograph(`${name}/${String(number).padStart(3, '0')}.png`);
 }
 
 async function jobEnds(name) {

@@ -15,6 +15,7 @@ function say(text, stays = false) {
   toast.textContent = text;
   toast.classList.add('shown');
   clearTimeout(sayTimer);
+  toast.onclick = () => toast.classList.remove('shown');
   if (!stays) sayTimer = setTimeout(() => toast.classList.remove('shown'), 6000);
 }
 
@@ -32,15 +33,16 @@ function attempt(work) {
     try {
       return await work(...given);
     } catch (error) {
-      say(error instanceof Message ? error.message : `That did not work: ${error.message}`);
+      say(error instanceof Message ? error.message : `That did not work: ${error.message}`, error.stays);
       if (!(error instanceof Message)) console.warn(error);
     }
   };
 }
 
 function drawTile(canvas, source) {
-  const {width, height} = canvas, layer = new Layer(source, {fit: 'cover'});
-  drawStraight(canvas.getContext('2d'), layer, layer.frame(width, height));
+  const {width, height} = canvas, layer = new Layer(source, {fit: 'cover'}), context = canvas.getContext('2d');
+  context.clearRect(0, 0, width, height);
+  drawStraight(context, layer, layer.frame(width, height));
 }
 
 async function thumbnail(scene, entry, size = 96) {
@@ -60,13 +62,19 @@ function choose(button, chosen) {
 
 const shortName = (id) => id.replace(/_/g, ' ');
 
+// "path_0_theta180", "view-180": "180°"; "path_1_theta090": "90°, path 1".
+function viewName({id, new: another}) {
+  const [, path, angle] = /^(?:view-|path_(\d+)_theta)0*(\d+)$/.exec(id) || [];
+  return (angle === undefined ? shortName(id) : `${angle}°${Number(path) ? `, path ${path}` : ''}`) + (another ? ' (new pose)' : '');
+}
+
 function buildViews(app) {
   const {scene} = app;
   scene.views.forEach((view, index) => {
     const white = view.photographs.find((p) => p.size && scene.patterns[p.pattern].role === 'white') || view.photographs.find((p) => p.size);
-    const button = element('button', {className: 'tile', title: `${view.id}${view.new ? ' (new pose)' : ''}`});
+    const button = element('button', {className: 'tile', title: viewName(view)});
     button.append(element('span', {textContent: index + 1}));
-    button.setAttribute('aria-label', `View ${shortName(view.id)}`);
+    button.setAttribute('aria-label', `View ${viewName(view)}`);
     button.dataset.view = index; // poses of another file may have the same ids
     thumbnail(scene, white).then((canvas) => button.prepend(canvas));
     button.onclick = () => jumpTo(app, view);
@@ -81,7 +89,7 @@ function buildViews(app) {
 function jumpTo(app, view) {
   const compare = !!app.photograph;
   if (compare) app.showPhotograph(false);
-  app.jump(view, $('bring').checked);
+  app.jump(view, $('bring').checked && !app.show.armed); // a show's projectors stay
   if (compare && view.photographs.length) attempt(() => app.showPhotograph(true))();
 }
 
@@ -109,11 +117,18 @@ function buildContents(app) {
     TEST_PATTERNS[name](context, 96, 96);
     addTile(box, name, canvas, () => app.setContent(new TestContent(name)), name);
   }
+  for (const effect of Object.keys(EFFECTS)) {
+    const canvas = makeCanvas(96, 96), made = () => new EffectContent(effect, '#ffffff');
+    drawTile(canvas, made());
+    addTile(box, EFFECTS[effect].name, canvas, () => app.setContent(made()), `effect ${effect}`);
+  }
   const addFile = ({id, name, content, live}) => {
-    const canvas = makeCanvas(96, 96), draw = () => drawTile(canvas, live && !content.running ? new TextContent(name, '#ffffff') : content);
-    draw();
+    const canvas = makeCanvas(96, 96), draw = (source) => drawTile(canvas, source), drawFilm = () => filmTile(content, draw).catch(() => {});
+    if (live && !content.running) draw(new TextContent(name, '#ffffff'));
+    else if (content.video) drawFilm();
+    else draw(content);
     addTile(box, name, canvas, async () => {
-      if (live && !content.running) await content.start(), draw();
+      if (live && !content.running) await content.start(), drawFilm();
       await app.bring(content);
     }, `file ${id}`);
     box.lastChild.scrollIntoView({block: 'nearest', inline: 'nearest'});
@@ -124,7 +139,7 @@ function buildContents(app) {
     if (what !== 'content' && what !== 'projector') return;
     const {content} = app.projector;
     const test = white && content.name === 'White' ? String(scene.patterns.findIndex((p) => p.role === 'white')) : content.name;
-    const key = content instanceof TestContent ? test : content.file !== undefined ? `file ${content.file}` : String(content.pattern); // names may be those of patterns or files
+    const key = content instanceof TestContent ? test : content instanceof EffectContent ? `effect ${content.effect}` : content.file !== undefined ? `file ${content.file}` : String(content.pattern); // names may be those of patterns or files
     for (const tile of box.children) choose(tile, tile.dataset.content === key);
     $('content-name').textContent = shortName(content.name);
   });
@@ -142,10 +157,15 @@ function buildProjectors(app) {
     }));
     $('remove').disabled = app.projectors.length < 2;
   };
-  $('add').onclick = attempt(() => app.addProjector());
-  $('remove').onclick = () => app.removeProjector();
+  $('add').onclick = attempt(() => anotherProjector(app));
+  $('remove').onclick = attempt(() => app.removeProjector());
   app.listeners.push((what) => { if (what === 'projector') show(); });
   show();
+}
+
+function anotherProjector(app) {
+  app.inShow('another projector would change what the others show');
+  return app.addProjector();
 }
 
 // Gives all projectors the selected one's layers and correction: corrected, they share the light.
@@ -212,7 +232,7 @@ function buildSettings(app) {
 
 function buildCorrection(app) {
   app.scene.views.forEach((view, index) => {
-    $('watcher').append(element('option', {value: index, textContent: `${shortName(view.id)}${view.new ? ' (new pose)' : ''}`}));
+    $('watcher').append(element('option', {value: index, textContent: viewName(view)}));
   });
   bind(app, 'correction', () => app.projector.correction, (how) => { app.projector.correction = how; app.changed('content'); app.invalidate(); });
   bind(app, 'watcher', () => app.projector.watcher, (which) => { app.projector.watcher = which; app.invalidate(); });
@@ -221,25 +241,50 @@ function buildCorrection(app) {
   $('same').onclick = () => { showEverywhere(app); app.invalidate(); };
   bind(app, 'black', () => 100 * app.black, (percent) => { app.black = clamp(Number(percent) || 0, 0, 100 * BLACK_MOST) / 100; app.invalidate(); });
   $('export').onclick = attempt(() => savePattern(app));
+  buildPixels(app);
   app.listeners.push((what) => {
     if (what === 'drawn') return;
     $('gain-row').hidden = app.projector.correction !== 'colours';
     $('watcher-row').hidden = !app.projector.corrected;
-    $('send').textContent = app.projectors.length < 2 ? 'Open the projector window' : `Open projector ${app.projector.number}'s window`;
+    const which = app.projectors.length < 2 ? 'the projector window' : `projector ${app.projector.number}'s window`;
+    $('send').textContent = app.window.isOpen ? `${which[0].toUpperCase()}${which.slice(1)} is open` : `Open ${which}`;
     $('same').hidden = $('black-row').hidden = app.projectors.length < 2;
   });
+}
+
+// The real projector's pixels, if its capture does not tell them.
+function buildPixels(app) {
+  const inputs = [$('pixels-w'), $('pixels-h')];
+  const refresh = () => {
+    const {panel, known, pixels} = app.projector;
+    inputs.forEach((input, k) => {
+      input.disabled = !!known;
+      if (document.activeElement !== input) input.value = panel ? panel[k ? 'height' : 'width'] : pixels ? pixels[k] : '';
+    });
+  };
+  for (const input of inputs)
+    input.onchange = () => {
+      const sides = inputs.map(({value}) => value === '' ? 0 : clamp(Math.round(Number(value)) || 0, ...PIXELS));
+      if (sides.some((side) => !side) && inputs.some(({value}) => value !== '')) return;
+      app.projector.setPixels(sides[0] ? sides : null);
+      app.projector.window.stale = true;
+      app.invalidate();
+      app.changed('settings');
+    };
+  app.listeners.push((what) => { if (what !== 'drawn') refresh(); });
 }
 
 function setMode(app, mode) {
   app.mode = mode;
   for (const button of document.querySelectorAll('[data-mode]'))
     button.setAttribute('aria-pressed', button.dataset.mode === mode);
-  app.canvas.style.cursor = mode === 'brush' || mode === 'nudge' ? 'crosshair' : 'grab';
+  app.canvas.style.cursor = mode === 'brush' || mode === 'nudge' || mode === 'surface' ? 'crosshair' : 'grab';
   if (mode === 'nudge') {
     app.projector.pulls = [];
     say('Pull a projected point from where you see it on the object to where it belongs.');
   }
   if ((mode === 'place' || mode === 'nudge') && innerWidth <= 700) document.body.classList.remove('with-panel'); // there is room for one of them
+  if (mode === 'surface') say('Click a wall, a roof, a column: it becomes a surface.');
   app.changed('mode');
   app.invalidate();
 }
@@ -264,6 +309,15 @@ function savePicture(app) {
 function toggleFull() {
   if (document.fullscreenElement) document.exitFullscreen();
   else document.documentElement.requestFullscreen().catch(() => say('This browser cannot show the page full screen.'));
+}
+
+// The panel with its group for a show alone (the studio's last step).
+function openShow() {
+  const group = $('cues').closest('details');
+  document.body.classList.add('with-panel');
+  for (const details of document.querySelectorAll('#panel > details')) details.open = details === group || details.contains($('send'));
+  group.scrollIntoView();
+  window.viewer.invalidate();
 }
 
 function togglePanel(app) {
@@ -312,14 +366,21 @@ function buildSources(app) {
     if (isText(event.target)) return;
     const [file] = event.clipboardData.files, text = event.clipboardData.getData('text');
     if (file) attempt(showFile)(app, file);
-    else if (text) write(text);
+    else if (text && !app.show.armed) write(text);
     else say('There is no picture in the clipboard.');
   });
 }
 
 // A picture or a film is projected, a stage takes the place of what is here.
 async function showFile(app, file) {
-  if (/\.json$/i.test(file.name) || file.type === 'application/json') return loadStage(app, await file.text());
+  if (/\.json$/i.test(file.name) || file.type === 'application/json') {
+    app.inShow('a stage would take the place of the show');
+    return loadStage(app, await file.text());
+  }
+  if (app.show.armed) {
+    const {name} = await app.library.take(file);
+    return say(`Armed: ${name} is among the contents now. Press its tile to show it.`);
+  }
   if (await app.bring(app.library.take(file))) app.shown = (app.shown || 0) + 1;
 }
 
@@ -327,20 +388,21 @@ async function showFile(app, file) {
 const go = attempt(async (app) => { if (app.show.armed) await app.show.go(), app.history.note(); });
 
 const KEYS = {
-  c: (app) => setMode(app, 'camera'), p: (app) => setMode(app, 'projector'), b: (app) => setMode(app, 'brush'), u: (app) => setMode(app, 'nudge'), l: (app) => setMode(app, 'place'),
+  c: (app) => setMode(app, 'camera'), p: (app) => setMode(app, 'projector'), b: (app) => setMode(app, 'brush'), u: (app) => setMode(app, 'nudge'), r: (app) => setMode(app, 'surface'), l: (app) => setMode(app, 'place'),
   a: (app) => { app.ambient = !app.ambient; app.changed('settings'); app.invalidate(); },
   g: (app) => { app.map = app.map === null ? 0 : app.map === 5 ? null : app.map + 1; app.changed('settings'); app.invalidate(); },
   x: (app) => { app.frusta = !app.frusta; app.changed('settings'); app.invalidate(); },
   v: (app) => attempt(() => app.showPhotograph(!app.photograph))(), s: attempt((app) => savePicture(app)), f: toggleFull, h: togglePanel,
-  o: () => $('file').click(), '?': () => $('keys').showModal(), n: (app) => app.addProjector(),
-  w: (app) => attempt(() => app.window.open())(), '.': (app) => blackout(app), t: testPicture, Home: (app) => app.home(),
+  o: () => $('file').click(), '?': () => $('keys').showModal(), n: attempt(anotherProjector),
+  w: (app) => attempt(() => app.window.open())(), '.': pressBlackout, t: testPicture, Home: (app) => app.home(),
   '+': (app) => app.dolly(0.9), '=': (app) => app.dolly(0.9), '-': (app) => app.dolly(1 / 0.9),
   '[': (app) => { app.brush.size = Math.max(2, app.brush.size - 2); app.changed('brush'); app.redrawOverlay(); },
   ']': (app) => { app.brush.size = Math.min(120, app.brush.size + 2); app.changed('brush'); app.redrawOverlay(); },
-  k: (app) => app.show.arm(!app.show.armed), Escape: (app) => app.show.stop(),
+  k: (app) => app.show.press(), Escape: (app) => app.show.stop(),
   e: (app) => { app.brush.erase = !app.brush.erase; app.changed('brush'); app.redrawOverlay(); },
   ' ': (app) => { if (app.projector.content.toggle) { app.projector.content.toggle(); app.invalidate(); } },
 };
+const REPEATED = /^[-+=[\]]$/; // keys that act again and again while they are held
 const ARROWS = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]};
 
 const isText = (target) => target instanceof Element && target.matches('textarea, input[type=text], input[type=number]');
@@ -370,6 +432,11 @@ function nameWhole() {
 
 function buildKeys(app, controls) {
   addEventListener('keydown', (event) => {
+    if (app.show.armed && (event.key === 'F5' || ((event.ctrlKey || event.metaKey) && /^r$/i.test(event.key)))) {
+      event.preventDefault();
+      say('Armed: no key reloads the page.');
+      return;
+    }
     if ((event.ctrlKey || event.metaKey) && /^[zy]$/i.test(event.key) && !isText(event.target) && !$('keys').open) {
       attempt(() => unwind(app, event.key.toLowerCase() === 'y' || event.shiftKey ? 1 : -1))();
       event.preventDefault();
@@ -386,7 +453,7 @@ function buildKeys(app, controls) {
       const view = app.scene.views[Number(event.key) - 1];
       if (view) jumpTo(app, view);
     } else if (KEYS[event.key] || KEYS[event.key.toLowerCase()]) {
-      (KEYS[event.key] || KEYS[event.key.toLowerCase()])(app);
+      if (!event.repeat || REPEATED.test(event.key)) (KEYS[event.key] || KEYS[event.key.toLowerCase()])(app, event);
     } else return;
     event.preventDefault();
   });
@@ -429,6 +496,8 @@ function buildPage(app) {
   buildContents(app);
   buildLayers(app);
   buildPlace(app);
+  buildSurfaces(app);
+  buildEffect(app);
   buildFilm(app);
   buildSettings(app);
   buildCorrection(app);

@@ -6,9 +6,10 @@
 #include <string.h>
 #include "ffprocams.h"
 
-const char *engine_import(const char *calibration, const char *turntable, const double *angles, int n_angles,
-                          const char *shown, const char *images, int width, int fit_response,
-                          const char *folder);
+enum { COMMAND_WORDS = 4096 };
+
+int command_line(int argc, char **argv); // src/product/cli/main.c
+int engine_command(const char *lines);
 const char *engine_open(const char *path);
 const char *engine_run(int polish, int force);
 const char *engine_save(const char *path);
@@ -64,27 +65,18 @@ static bool start(FfpError *err) {
     return model != NULL;
 }
 
-// Makes a capture in `folder` from photographs, as `ffprocams import` does: -c, -t, --angles (degrees),
-// --shown, -i, -w, --fit-response. "" and 0: not given. Returns "", or "error: ...".
-EMSCRIPTEN_KEEPALIVE const char *engine_import(const char *calibration, const char *turntable,
-                                               const double *angles, int n_angles, const char *shown,
-                                               const char *images, int width, int fit_response,
-                                               const char *folder) {
-    FfpError err = {0};
-    FfpImport options = ffp_import_defaults();
-    const FfpImportImages photographs = {.files = images};
-    options.calibrations = &calibration;
-    options.n_calibrations = 1;
-    options.turntable.file = *turntable ? turntable : NULL;
-    options.turntable.angles = angles;
-    options.turntable.n_angles = n_angles;
-    options.shown = *shown ? shown : NULL;
-    options.images = *images ? &photographs : NULL;
-    options.n_images = *images ? 1 : 0;
-    options.width = width;
-    options.fit_response = fit_response != 0;
-    options.folder = folder;
-    return start(&err) && ffp_import_capture(context, &options, &err) ? "" : failed(&err);
+// Runs a command line: its words, one a line, each ended by \n. Returns its exit status.
+EMSCRIPTEN_KEEPALIVE int engine_command(const char *lines) {
+    char *words = strdup(lines), *argv[COMMAND_WORDS + 1] = {NULL};
+    int argc = 0, status = 1;
+    for (char *at = words, *end; at && argc < COMMAND_WORDS && (end = strchr(at, '\n')); at = end + 1) {
+        *end = 0;
+        argv[argc++] = at;
+    }
+    if (argc > 0) status = command_line(argc, argv);
+    fflush(NULL);
+    free(words);
+    return status;
 }
 
 // Opens the capture in a folder or at a scene.json. Returns what `ffprocams info` says of it, or "error:

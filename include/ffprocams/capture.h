@@ -63,6 +63,7 @@ typedef struct FfpPicture {
     int width, height, channels; // 1 grey, 3 RGB, 4 RGB and alpha
     FfpPixelType type;
     size_t row_bytes; // from one row to the next; 0: rows are contiguous
+    FFP_RESERVED;
 } FfpPicture;
 
 // A camera without lens distortion, or a projector, modelled as a camera with light travelling the other way.
@@ -71,6 +72,7 @@ typedef struct FfpPinhole {
     int width, height;     // pixels
     double fx, fy, cx, cy; // pixels; the principal point may lie outside the image
     double pose[16];       // row-major 4x4, device to world, rigid
+    FFP_RESERVED;
 } FfpPinhole;
 
 // A capture in memory, with the same contents as a capture folder (docs/reference/formats/capture.md).
@@ -78,6 +80,7 @@ typedef struct FfpPatternData {
     const char *name;
     FfpPicture picture; // of the projector's size; may be empty for black and white
     bool held_out;      // for testing only: never used for a reconstruction unless requested by name
+    FFP_RESERVED;
 } FfpPatternData;
 typedef struct FfpViewData {
     const char *id;
@@ -94,6 +97,7 @@ typedef struct FfpViewData {
     // Ground truth for evaluation, F32, one channel, may be empty: camera z in world units, 0 where there is
     // no surface.
     FfpPicture depth;
+    FFP_RESERVED;
 } FfpViewData;
 typedef struct FfpCaptureData {
     const char *name;
@@ -105,6 +109,7 @@ typedef struct FfpCaptureData {
     // all 0: estimated.
     double intensity[3];
     double centre[3], radius; // sphere around the object, world units; radius 0: estimated
+    FFP_RESERVED;
 } FfpCaptureData;
 
 // Copies and checks everything. Errors name the view, pattern or field.
@@ -150,7 +155,7 @@ FFP_API bool ffp_can_save_capture(const char *folder, FfpError *err);
 // NULL on failure.
 FFP_API char *ffp_info(FfpContext *context, const char *path, FfpError *err);
 // Writes the same of a capture as an HTML page, with a contact sheet of its masks in which doubtful views are
-// marked. Errors: `path` is not a capture.
+// marked, and in colours which pixels' depth no pattern tells. Errors: `path` is not a capture.
 FFP_API bool ffp_info_report(FfpContext *context, const char *path, const char *html, FfpError *err);
 // The same as JSON (release with ffp_free): {"text": what ffp_info returns, "findings": [as
 // ffp_finding_json]}, the latter for a capture.

@@ -56,6 +56,7 @@ typedef struct FfpRanks {
     // This rank cannot continue and cannot report it in the usual order (it is out of memory): the others
     // must not wait for it.
     void (*leave)(void *user);
+    FFP_RESERVED;
 } FfpRanks;
 
 typedef struct FfpContextSettings {
@@ -72,7 +73,8 @@ typedef struct FfpContextSettings {
     // valid until it returns.
     bool (*progress)(void *user, const FfpProgress *progress);
     double interval_s; // 0 or more: minimum between calls of progress; 0: call it at every cancellation point
-    int threads;       // number to use, up to 4096; 0: OpenMP's default (all processors, or OMP_NUM_THREADS)
+    int threads; // number to use, up to 4096; 0: OpenMP's default (all processors, or OMP_NUM_THREADS). A
+                 // process that was forked after a call uses one
     FfpDeviceKind device;
     const FfpRanks *ranks; // must outlive the context; NULL: a single process
     // Where calls get the memory of their work and results: `bytes`, a multiple of `alignment`, aligned to

@@ -4,6 +4,8 @@
 #ifndef FFPROCAMS_ERROR_H
 #define FFPROCAMS_ERROR_H
 
+#include "ffprocams/api.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -25,6 +27,8 @@ typedef struct FfpError {
     char text[768];
     FfpErrorCode code;
     const char *finding; // the code of the finding (findings.h) behind it, a constant; NULL: there is none
+    char where[768];     // WHERE alone; "": there is none
+    FFP_RESERVED;
 } FfpError;
 
 #ifdef __cplusplus

@@ -14,7 +14,7 @@ typedef enum FfpSeverity {
     FFP_FINDING_OK,    // looked at, and as it should be
     FFP_FINDING_NOTE,  // worth knowing
     FFP_FINDING_DOUBT, // makes the result worse, or may not be what the caller intended
-    FFP_FINDING_FAULT, // makes the result wrong: calls fail with FFP_ERROR_FAULT unless they are forced
+    FFP_FINDING_FAULT, // makes the result wrong: calls fail, of a capture with FFP_ERROR_FAULT unless forced
 } FfpSeverity;
 
 typedef struct FfpFinding {
@@ -28,6 +28,7 @@ typedef struct FfpFinding {
     const char *advice;  // what to do; NULL: nothing can be advised
     const char *setting; // option of the call that may help, by its name: "force"; with words for its
                          // value: "fix=camera.k3 projector.p"; or NULL
+    FFP_RESERVED;
 } FfpFinding;
 
 // A finding as a line of JSON, {"code", "severity" ("ok", "note", "doubt" or "fault"), "subject", "text"} and

@@ -27,6 +27,7 @@ typedef struct FfpRenderBatch {
     double intensity[3];
     bool linear;    // pictures are linear radiance over black, not clipped; otherwise sRGB-encoded in [0,1]
     bool gradients; // ffp_renderer_backward may follow: what it needs is kept
+    FFP_RESERVED;
 } FfpRenderBatch;
 // Draws pictures [n_views,n_patterns,height,width,3], `count` numbers (0 without patterns), and the first
 // `n_maps` of the maps [n_views,height,width,channels], indexed by FfpMap, where not NULL, F32. The view of
@@ -47,6 +48,7 @@ typedef struct FfpRenderGradients {
     double *intensity;                        // [3]
     double *cameras, *projectors;             // [n_views,6]
     double *camera_focals, *projector_focals; // [n_views,2]: fx, fy
+    FFP_RESERVED;
 } FfpRenderGradients;
 // From the gradients of the pictures and maps of the last ffp_renderer_forward (which must have announced
 // them; arrays of the shapes that it fills, NULL where there are none, maps that it was not asked for among
@@ -69,6 +71,7 @@ typedef struct FfpModelForm {
     int dim, patch, state, chunk, pixel_features, pixel_hidden;
     bool residual, match_input, pixel_skip, context_inputs, appearance_cnn;
     int looks; // rounds in which the input views are drawn and the splats corrected
+    FFP_RESERVED;
 } FfpModelForm;
 FFP_API FfpModelForm ffp_model_form(const FfpModel *model);
 // The weights by number, from 0 to one less than the count, in the file's order. They are the model's own
@@ -77,6 +80,7 @@ typedef struct FfpWeights {
     const char *name;
     int64_t rows, columns; // columns 0: a vector
     float *values;         // [rows,columns]
+    FFP_RESERVED;
 } FfpWeights;
 FFP_API int ffp_model_weights_count(const FfpModel *model);
 FFP_API FfpWeights ffp_model_weights(FfpModel *model, int number); // all 0: no such number
@@ -107,6 +111,7 @@ typedef struct FfpPreparedArrays {
     // footprint; and of the classical initialisation: distance, its logit, logit of the opacity,
     // quaternion 4, logits of albedo 3 and ambient colour 3 (src/engine/network/splat_formula.h).
     const float *base;
+    FFP_RESERVED;
 } FfpPreparedArrays;
 #define FFP_PREPARED_BASE 21
 // Works as ffp_reconstruct does up to the network of `options->model`: noise filter, matching, classical
@@ -143,6 +148,7 @@ typedef struct FfpPictureLoss {
     float *gradients;
     double perceptual;            // weight; 0: none
     const FfpPerceptual *network; // of pictures of at least 31 x 31 (AlexNet), 17 x 17 or 2 x 2 pixels
+    FFP_RESERVED;
 } FfpPictureLoss;
 FFP_API bool ffp_picture_loss(FfpContext *context, const FfpPictureLoss *pictures, double *loss,
                               FfpError *err);

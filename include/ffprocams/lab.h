@@ -73,6 +73,7 @@ typedef struct FfpScore {
     // by the white pattern; a pixel without a surface counts as 100.
     double depth_lit_median, depth_lit_p90, depth_unlit_median, depth_unlit_p90;
     double albedo_mse, albedo_lit_mse, albedo_unlit_mse; // linear; separately likewise
+    FFP_RESERVED;
 } FfpScore;
 
 // Returns the rows (release with ffp_free) and their number, or NULL. With several captures, their means
@@ -128,7 +129,23 @@ typedef struct FfpSensorFaults {
     double black_level; // ... and this share of white where a pattern is black, 0 to 0.9
     double turn_error;  // standard deviation of the written poses' rotation about each axis, degrees, 0 to 28
     double shift_error; // and of their positions, world units, 0 to 0.5
+    FFP_RESERVED;
 } FfpSensorFaults;
+
+// Faults of the devices that change light (docs/design/data.md, "Real light"). All 0: none.
+typedef struct FfpLightFaults {
+    double real_light;   // strength, 0 to 1, at which the seed draws all below that is 0
+    double spread;       // share of the projector's light that is spread by a Gaussian, 0 to 0.5 ...
+    double spread_reach; // ... of this standard deviation, pixels of a panel 800 wide, 0 to 200; 0: 12
+    double glare;        // share of the camera's light likewise, 0 to 0.5 ...
+    double glare_reach;  // ... share of the picture's longer side, 0 to 1; 0: 0.15
+    double power;        // the projector sends value^power of the file's values, to 5; 0: sRGB and `gamma`
+    double vignetting;   // share of the light that the camera loses at half a diagonal, 0 to 0.9
+    double throw_fall;   // and the projector
+    double focus_blur;   // standard deviation a world unit off the focal plane, pixels of a panel 800 wide
+    double focus_at;     // that plane's distance, relative to the middle of the scene; 0: 1
+    FFP_RESERVED;
+} FfpLightFaults;
 
 typedef struct FfpGeneration {
     size_t size;        // set by ffp_generation_defaults
@@ -167,6 +184,10 @@ typedef struct FfpGeneration {
     bool room;
     int quality;
     bool check; // generate nothing; fail with an error naming the scenes that are missing or incomplete
+    FfpLightFaults light;
+    // The light of the photographs comes from another projector, on the other side of the camera. Needs
+    // `photographs`, and no room.
+    bool other_projector;
 } FfpGeneration;
 FFP_DEFAULTS(FfpGeneration, ffp_generation_defaults) // all scenes of all splits by the paper's preset
 // Existing scenes are kept; a scene appears under its name only when it is complete. Any number of processes

@@ -34,6 +34,7 @@ typedef struct FfpDrawing {
     FfpForm form;
     // Samples per side of a pixel, 1 to 4; 0: the model's setting, or without one 2 (1 in the paper's form).
     int samples;
+    FFP_RESERVED;
 } FfpDrawing;
 
 // --- The reconstruction. ---
@@ -62,6 +63,9 @@ typedef struct FfpReconstruction {
     // turntable turned the other way. Otherwise such a capture fails with FFP_ERROR_FAULT, which names view
     // and fault.
     bool force;
+    // Pictures that are wider are reduced to this width first, pixels, 8 to 16384: a draft. The scores are
+    // those on the capture's own pictures. 0: none are.
+    int64_t width;
 } FfpReconstruction;
 #define FFP_POLISH_STEPS 72
 #define FFP_POLISH_AUTO (-1) // FFP_POLISH_STEPS, or 9 steps per view with more than 8; scenes: 2.5 times that
@@ -85,6 +89,12 @@ typedef struct FfpReconstructionStats { // times are wall-clock seconds
     double psnr, least_psnr;
     char least_view[96];
     double score_s;
+    // How well they predict photographs that no fit has looked at: the number of patterns, the first that
+    // the capture holds out (at most 2; 0: it holds none out), and their PSNR as above, else NaN. The lit
+    // figures are over the pixels of the object that white lights, of the photographs above and of these.
+    int unseen;
+    double unseen_psnr, lit_psnr, unseen_lit_psnr;
+    FFP_RESERVED;
 } FfpReconstructionStats;
 
 // One forward pass and a short fit, each scored on the photographs: a prediction that reproduces them clearly
@@ -142,6 +152,10 @@ typedef struct FfpGaussianArrays {
     float *albedo;    // [count,3] linear diffuse albedo
     float *roughness; // [count] in [0,1]
     float *ambient;   // [count,3] linear radiance with the projector black
+    float *scattered; // [count,3] linear radiance that white adds in other ways than by its direct ray: it
+                      // follows the pattern's mean. NULL: none. Where a set has none, zeros that are
+                      // written over stay unseen: ffp_gaussians_from_arrays makes a set that has some
+    FFP_RESERVED;
 } FfpGaussianArrays;
 FFP_API FfpGaussianArrays ffp_gaussians_arrays(FfpGaussians *gaussians);
 // Copies the caller's arrays, normalising rotations, and checks them: 1 to 50,000,000 rows, finite, centres
@@ -176,6 +190,7 @@ typedef struct FfpRefinementStats {
     double elapsed_s;
     bool stopped; // by the progress callback; the best state so far was kept
     bool dropped; // the fit made the pictures worse and was discarded; the Gaussians are unchanged
+    FFP_RESERVED;
 } FfpRefinementStats;
 
 // Fits the Gaussians to the capture's pictures, keeping them close to where they started; on failure they are

@@ -113,6 +113,7 @@ typedef struct FfpNamedImage {
     const char *name;
     int width, height, channels;
     const float *data; // [height,width,channels], the library's, valid until the images are closed
+    FFP_RESERVED;
 } FfpNamedImage;
 FFP_API int ffp_images_count(const FfpImages *images);
 // An index out of range, and a name that is unknown or NULL, give an image whose name is NULL.
@@ -135,6 +136,7 @@ typedef struct FfpPageStats {
     int64_t gaussians;
     int64_t bytes;             // file size
     int patterns, photographs; // included; a note is logged if there was no room for all
+    FFP_RESERVED;
 } FfpPageStats;
 // Writes a page that draws Gaussians in the browser (WebGL 2) as ffp_render_pictures does, with camera and
 // projectors that can be moved (docs/guide/page.md). `capture` is required; `stats` may be NULL. Fails with
@@ -159,8 +161,8 @@ typedef struct FfpCompensation {
     // <pattern>_seen_<view>.png, the predicted picture, and <pattern>_target_<view>.png.
     const char *pattern;
     // With a film as the only target, for one view and one projector: the corrected film (as
-    // FfpPictures.video), of `rate` frames a second (0: 15); `pattern` and what is beside it show its first
-    // frame, the figures are means over the frames. NULL: targets are pictures.
+    // FfpPictures.video), of `rate` frames a second (0: the film's own), with its sound; `pattern` and what
+    // is beside it show its first frame, the figures are means over the frames. NULL: targets are pictures.
     const char *video;
     int rate;
     double gain; // factor on the linear targets; 0: the brightest that light allows
@@ -180,6 +182,7 @@ typedef struct FfpCompensation {
     // adds up, and the dark beside is lifted to it. It comes on top of what photographs under black show.
     // 0: projectors that are dark give nothing.
     double black_level;
+    bool sharpen; // patterns so sharp that they arrive as they should through the projector's blur
 } FfpCompensation;
 
 FFP_DEFAULTS(FfpCompensation, ffp_compensation_defaults) // all views, gain 1, 30 steps
@@ -193,6 +196,7 @@ typedef struct FfpCompensationStats {
     double psnr_dark, psnr_closed, psnr;
     int patterns;
     double elapsed_s;
+    FFP_RESERVED;
 } FfpCompensationStats;
 
 // Finds the patterns under which the cameras see their targets as closely as light allows. Returns linear
@@ -205,39 +209,40 @@ FFP_API FfpImages *ffp_compensate_images(FfpContext *context, const FfpGaussians
 FFP_API bool ffp_compensate(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                             const FfpCompensation *options, FfpCompensationStats *stats, FfpError *err);
 
-typedef struct FfpMaps {
-    size_t size;              // set by ffp_maps_defaults
+typedef struct FfpWarps {
+    size_t size;              // set by ffp_warps_defaults
     const char *poses;        // as FfpPictures.poses
     const char *const *views; // ids; none: all
     int n_views;
     const char *folder; // for the files (docs/reference/formats/pictures.md); created if necessary
     FfpDrawing drawing;
-} FfpMaps;
+} FfpWarps;
 
-FFP_DEFAULTS(FfpMaps, ffp_maps_defaults) // all views
+FFP_DEFAULTS(FfpWarps, ffp_warps_defaults) // all views
 
-typedef struct FfpMapStats { // of one view
+typedef struct FfpWarpStats { // of one view
     char view[96];
     // Camera pixels whose round trip to the projector succeeded, and lit ones for which it failed.
     int lit_pixels, lost_pixels;
     // Error of the round trip: the share within half a pixel; the median and the maximum, pixels.
     double within_half, median, most;
     double lit_share; // share of the projector's pixels that fall on the object
-} FfpMapStats;
+    FFP_RESERVED;
+} FfpWarpStats;
 
 // Correspondences and projected light for one camera and one projector: linear images named like the files
 // (docs/reference/formats/pictures.md): camera_to_projector, of the camera's size, and of the projector's
 // projector_to_camera and projector_sees (these have 3 channels), lit, incidence, density, resolution and
 // illuminance (1). `stats` may be NULL; its view is "view".
-FFP_API FfpImages *ffp_map_images(FfpContext *context, const FfpGaussians *gaussians,
-                                  const FfpCapture *capture, const FfpPinhole *camera,
-                                  const FfpPinhole *projector, FfpDrawing drawing, FfpMapStats *stats,
-                                  FfpError *err);
+FFP_API FfpImages *ffp_warp_images(FfpContext *context, const FfpGaussians *gaussians,
+                                   const FfpCapture *capture, const FfpPinhole *camera,
+                                   const FfpPinhole *projector, FfpDrawing drawing, FfpWarpStats *stats,
+                                   FfpError *err);
 // The same for the views of a capture or a file of poses, written to files. Returns the number of files, or
 // -1. `stats` may be NULL; otherwise it has room for `n_stats` views (FFP_VIEWS_MAX are enough), and if they
 // are more, nothing is written.
-FFP_API int ffp_write_maps(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
-                           const FfpMaps *options, FfpMapStats *stats, int n_stats, FfpError *err);
+FFP_API int ffp_write_warps(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
+                            const FfpWarps *options, FfpWarpStats *stats, int n_stats, FfpError *err);
 
 // --- Export to other programs. ---
 
@@ -266,6 +271,7 @@ FFP_DEFAULTS(FfpExport, ffp_export_defaults) // ambient light, z up, a mesh of 1
 
 typedef struct FfpExportStats {
     int64_t splats, triangles, bytes; // written
+    FFP_RESERVED;
 } FfpExportStats;
 // Writes Gaussians for programs that do not simulate projectors. `capture` may be NULL for splats in ambient
 // light; a mesh is made from what its cameras see. `stats` may be NULL.

@@ -24,6 +24,8 @@ typedef struct FfpPatterns {
     // corners, 3 to 64 each way (0: no paper), and the side of a square, 1 to 500 mm.
     int columns, rows;
     double square;
+    int greys; // even greys between black and white, 0 to 64, by which ffp_import finds the projector's
+               // response
 } FfpPatterns;
 
 FFP_DEFAULTS(FfpPatterns, ffp_patterns_defaults) // everything, one lollipop, 1920 x 1080; 9 x 6, 25 mm
@@ -71,6 +73,7 @@ typedef struct FfpRigCalibration {
     // JSON file for where the board is in photographs: `attitudes` are files then, one photograph of the
     // board each, and nothing is calibrated. NULL: not wanted
     const char *seen;
+    bool linear; // integer files of photographs hold linear light instead of sRGB
 } FfpRigCalibration;
 FFP_DEFAULTS(FfpRigCalibration, ffp_rig_calibration_defaults) // nothing named or fixed, 1920 x 1080
 
@@ -85,6 +88,7 @@ typedef struct FfpRigCalibrationStats { // errors in pixels are root mean square
     bool reversed;            // the angles are left-handed about it: clockwise as seen from above
     int stops, stops_used;
     double stops_rms, tilt, shift; // standard deviations: degrees, unit of `square`
+    FFP_RESERVED;
 } FfpRigCalibrationStats;
 // Calibrates camera and projector from photographs of a chessboard under Gray codes in at least three
 // attitudes (Moreno and Taubin 2012), and finds a turntable's axis. Nothing is written until everything has
@@ -114,6 +118,10 @@ typedef struct FfpSelfCalibration {
     // For that of a turntable, as those of FfpRigCalibration: OpenCV FileStorage, and the axis with the
     // angles that were found.
     const char *file, *turntable_file;
+    bool linear; // as FfpRigCalibration.linear
+    // Each place has a camera of its own: another body, or another lens or zoom. False: one camera walked,
+    // and where a place seems to have another, a finding says so.
+    bool camera_per_folder;
 } FfpSelfCalibration;
 FFP_DEFAULTS(FfpSelfCalibration, ffp_self_calibration_defaults) // nothing named, 1920 x 1080
 
@@ -132,6 +140,7 @@ typedef struct FfpSelfCalibrationStats {
     double tilt, shift;       // standard deviations: degrees; share of the distance of the camera
     double surface;           // median distance of points that were turned to other stops, pixels there
     double angle_off;         // of the angles, degrees, the largest
+    FFP_RESERVED;
 } FfpSelfCalibrationStats;
 // Finds optics and poses of projector and camera from the positions that the codes give, without a board. All
 // places of a camera that walks see the same points of the surface by the same codes, which a bundle
@@ -151,6 +160,7 @@ typedef struct FfpCalibratedAt {
     int width, height; // pixels at calibration; 0: given by the calibration's files
     FfpFit fit;
     int left, top; // FFP_FIT_CROPPED: pixels cut off
+    FFP_RESERVED;
 } FfpCalibratedAt;
 
 // Photographs under one pattern or several. `files` is a path containing {view}, {pattern}, {index} (from 0,
@@ -161,11 +171,13 @@ typedef struct FfpImportImages {
     const char *const *patterns; // names: black, white, and the caller's names for the others
     int n_patterns; // 0: those of FfpImport.shown, in their order, with the Gray codes or without
     const char *files;
+    FFP_RESERVED;
 } FfpImportImages;
 
 // The image that was sent to the projector.
 typedef struct FfpImportPattern {
     const char *name, *file;
+    FFP_RESERVED;
 } FfpImportPattern;
 
 typedef enum FfpMasks {
@@ -189,7 +201,12 @@ typedef struct FfpImportTurntable {
     int n_angles;             // 0, without a file: no turntable, and a fixed rig has one view
     bool find_axis;           // find axis and point from the pictures, ignoring those of the file
     bool guessed;             // start the search at `axis` and `point`
+    FFP_RESERVED;
 } FfpImportTurntable;
+
+#define FFP_IMPORT_SIDE 1024
+#define FFP_IMPORT_PIXELS 2000000
+#define FFP_IMPORT_SECONDS 180
 
 typedef struct FfpImport {
     size_t size;                     // set by ffp_import_defaults
@@ -221,10 +238,15 @@ typedef struct FfpImport {
     const char *const *views; // ids to import; none: all
     int n_views;
     // Of the Gray codes, how many photographs a view keeps for fits: those whose stripes the capture's pixels
-    // resolve, and that are not the same as a pattern above or its inverse. 0 to 32; 0: none. Default: 8.
+    // resolve, and that are not the same as a pattern above or its inverse. 0 to 32; 0: none. Default: 8. If
+    // nothing is held out, two more codes are: ffp_reconstruct says how well it predicts them.
     int kept_codes;
     FfpCalibratedAt camera, projector;
-    int width; // of the imported pictures; 0: unchanged. Sides are padded to multiples of 8 pixels
+    // Of the imported pictures. 0: as fine as the photographs show the object, as long as its longer side has
+    // at most FFP_IMPORT_SIDE pixels, all views show FFP_IMPORT_PIXELS of it, half of the free memory
+    // suffices and a reconstruction takes FFP_IMPORT_SECONDS; and cut to the object if that halves them.
+    // Sides are padded to multiples of 8 pixels.
+    int width;
     // Estimate the projector's gamma and black level from the pictures, and convert the patterns to the light
     // that it emitted, if that explains views better that are held out from the estimate.
     bool fit_response;
@@ -237,6 +259,10 @@ typedef struct FfpImport {
     bool scene;
     const char *name;   // of the capture; NULL: that of the folder
     const char *folder; // for the capture; must be new or empty
+    // The photographs show the light of a projector that the calibration does not describe, whose panel has
+    // projector.width x height pixels: its Gray codes are taken as they are, and its place and lens are those
+    // of no projector until ffp_find_projector finds them.
+    bool other_projector;
 } FfpImport;
 FFP_DEFAULTS(FfpImport, ffp_import_defaults) // nothing named, pictures unchanged, eight codes kept
 // Writes a capture folder, completely or not at all: poses in the object's frame, pictures and patterns
@@ -268,6 +294,7 @@ typedef struct FfpAlignmentStats {
     // The mean distances between where the surface was and is in the camera's and in the projector's
     // pictures, pixels.
     double camera_pixels, projector_pixels;
+    FFP_RESERVED;
 } FfpAlignmentStats;
 typedef struct FfpAlignment {
     size_t size;         // set by ffp_alignment_defaults
@@ -284,6 +311,26 @@ FFP_DEFAULTS(FfpAlignment, ffp_alignment_defaults) // only poses
 // be NULL.
 FFP_API bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const FfpAlignment *options,
                              FfpAlignmentStats *stats, FfpError *err);
+
+// --- A second projector. ---
+
+typedef struct FfpFoundProjector {
+    double distance;         // from the object's centre, world units
+    double turned, moved;    // standard deviations of its direction, degrees, and place, world units
+    double focal, centre[2]; // of its focal length, as a share, and its principal point, pixels
+    double rms;              // of the points used, pixels of the projector
+    int points, used;        // of the object's surface that have codes; of them no outliers
+    FFP_RESERVED;
+} FfpFoundProjector;
+// Finds place and lens of a projector that no calibration describes: one that showed Gray codes alone on an
+// object that is known, photographed and imported with FfpImport.other_projector. `gaussians`: the object, in
+// the capture's world, where the capture's cameras are right. Each code on the surface is a point whose pixel
+// is known (resection); half of them may be wrong. Sets the projectors of all views, the panel and the
+// intensity, in place; lens distortion is not looked for. Numbers that the points do not determine stay as
+// usual projectors have them, and their deviations say so. Fails without codes, with fewer than 60 points,
+// with points on one plane, and where no place explains half of them. `found` may be NULL.
+FFP_API bool ffp_find_projector(FfpContext *context, FfpCapture *capture, const FfpGaussians *gaussians,
+                                FfpFoundProjector *found, FfpError *err);
 
 #ifdef __cplusplus
 }

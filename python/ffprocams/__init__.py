@@ -17,10 +17,11 @@ from ._library import ffi as _ffi
 from ._library import lib as _lib
 from ._pixels import Array, Floats, decode, encode
 from .applications import Compensation, CompensationStats, MapStats, compensate, maps
-from .capture import AlignStats, Capture, View, align
+from .capture import AlignStats, Capture, FoundProjector, View, align, find_projector
 from .devices import Calibration, Pinhole, pinholes_from_pycolmap
 from .errors import (
     ArgumentError,
+    ArgumentTypeError,
     CancelledError,
     Error,
     ErrorCode,
@@ -31,7 +32,7 @@ from .errors import (
     OutOfMemoryError,
     UnsupportedError,
 )
-from .evaluation import CalibratedAt, Score, SensorFaults, Turntable, evaluate, generate, import_capture, info
+from .evaluation import CalibratedAt, LightFaults, Score, SensorFaults, Turntable, evaluate, generate, import_capture, info
 from .findings import Finding
 from .gaussians import ExportStats, Gaussians, Model, PageStats
 from .reconstruction import (
@@ -50,11 +51,11 @@ from .rig import RigCalibrationStats, calibrate_rig, train, write_patterns
 __version__: str = _ffi.string(_lib.ffp_version()).decode()
 
 __all__ = [
-    "AlignStats", "ArgumentError", "Array", "CalibratedAt", "Calibration", "CancelledError", "Capture",
-    "Compensation", "CompensationStats", "Error", "ErrorCode", "ExportStats", "FaultError", "FileFormatError", "Finding", "Floats", "Gaussians",
-    "InputOutputError", "MapStats", "MissingFileError", "Model", "ModelOption", "OutOfMemoryError", "PageStats", "PathLike", "Pinhole", "Progress",
+    "AlignStats", "ArgumentError", "ArgumentTypeError", "Array", "CalibratedAt", "Calibration", "CancelledError", "Capture",
+    "Compensation", "CompensationStats", "Error", "ErrorCode", "ExportStats", "FaultError", "FileFormatError", "Finding", "Floats", "FoundProjector", "Gaussians",
+    "InputOutputError", "LightFaults", "MapStats", "MissingFileError", "Model", "ModelOption", "OutOfMemoryError", "PageStats", "PathLike", "Pinhole", "Progress",
     "ProgressOption", "Reconstructed", "ReconstructionStats", "Refined", "RefinementStats", "Renderer",
     "RigCalibrationStats", "Score", "SensorFaults", "Turntable", "UnsupportedError", "View", "align", "calibrate_rig",
-    "compensate", "decode", "encode", "evaluate", "fit_from_scratch", "generate", "import_capture", "info", "maps",
+    "compensate", "decode", "encode", "evaluate", "find_projector", "fit_from_scratch", "generate", "import_capture", "info", "maps",
     "pinholes_from_pycolmap", "protocols", "reconstruct", "refine", "train", "write_patterns",
 ]  # fmt: skip

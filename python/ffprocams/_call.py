@@ -16,8 +16,9 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Callable, Optional, Union
 
+from ._arguments import expects, one_of
 from ._library import ffi, lib
-from .errors import argument_error, error_of
+from .errors import error_of
 
 log = logging.getLogger("ffprocams")
 log.addHandler(logging.NullHandler())
@@ -84,12 +85,10 @@ class Call:
         self._raised: BaseException | None = None
         self.inside = False  # in the progress function
         settings = ffi.new("FfpContextSettings *", lib.ffp_context_defaults())
-        if device not in _DEVICES:
-            raise argument_error(f"'{device}' is not one of {', '.join(_DEVICES)}", "device")
-        if not 0 <= threads <= 4096:
-            raise argument_error(f"{threads} is not in 0 to 4096", "threads")
+        kind = one_of(_DEVICES, device, "device")
+        expects(0 <= threads <= 4096, "threads", "0 to 4096", threads)
         settings.log, settings.progress = lib.ffp_python_log, lib.ffp_python_progress
-        settings.interval_s, settings.threads, settings.device = _INTERVAL, threads, _DEVICES[device]
+        settings.interval_s, settings.threads, settings.device = _INTERVAL, threads, kind
         self.error = ffi.new("FfpError *")
         context = lib.ffp_context_new(settings, self.error)
         if context == ffi.NULL:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ._arguments import checked
 from ._call import Keep
 from ._library import ffi, lib
 from .errors import argument_error
@@ -82,13 +83,16 @@ def picture_of(picture: Array | None, keep: Keep, name: str) -> Any:
     return keep(out)
 
 
+@checked
 def encode(linear: npt.ArrayLike) -> Floats:
-    """Linear light in [0,1] as sRGB-encoded values in [0,1] (IEC 61966-2-1); values outside are clipped."""
+    """Linear light in [0,1] as sRGB-encoded values in [0,1] (IEC 61966-2-1); values outside are clipped.
+    Raises ArgumentError for anything but numbers."""
     x = np.clip(np.asarray(linear, np.float32), 0, 1)
     return np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** np.float32(1 / 2.4) - 0.055).astype(np.float32)
 
 
+@checked
 def decode(encoded: npt.ArrayLike) -> Floats:
-    """sRGB-encoded values in [0,1] as linear light in [0,1]."""
+    """sRGB-encoded values in [0,1] as linear light in [0,1]. Raises ArgumentError for anything but numbers."""
     x = np.clip(np.asarray(encoded, np.float32), 0, 1)
     return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** np.float32(2.4)).astype(np.float32)

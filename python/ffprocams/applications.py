@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from . import devices
+from ._arguments import checked, one_of
 from ._call import Call, Handle, Keep, PathLike, ProgressOption, holding, some
 from ._library import ffi, lib
 from ._pixels import Array, Floats, floats_at, picture_of
 from .capture import Capture, capture_of, record
 from .devices import Pinhole
 from .errors import argument_error
-from .gaussians import FRAMINGS, Gaussians, drawing_of, gaussians_of, one_of
+from .gaussians import FRAMINGS, Gaussians, drawing_of, gaussians_of
 
 _TRANSPARENT = {"black": False, "free": True}
 
@@ -65,6 +66,7 @@ class _Images(Handle):
         return out
 
 
+@checked
 def compensate(
     gaussians: Gaussians | PathLike,
     capture: Capture | PathLike,
@@ -79,6 +81,7 @@ def compensate(
     steps: int = 30,
     gaussians_only: bool = False,
     black_level: float = 0.0,
+    sharpen: bool = False,
     form: str = "ours",
     samples: int = 0,
     progress: ProgressOption = None,
@@ -101,9 +104,14 @@ def compensate(
             and white.
         black_level: share of its white that a dark projector still gives, in [0, 0.1]; where several overlap, the dark
             beside is lifted until it is as bright.
+        sharpen: patterns are sharpened for the projector's blur, as found by import.
         form, samples: how Gaussians are drawn, as in Renderer.
         progress: see ffprocams.ProgressOption.
         threads: number of threads; 0: all processors.
+
+    Raises:
+        ArgumentError: an argument is wrong, or names a view that the capture lacks.
+        Error: a file cannot be read; its subclass says why.
     """
     gaussians, capture = gaussians_of(gaussians), capture_of(capture)
     keep, options = Keep(), ffi.new("FfpCompensation *", lib.ffp_compensation_defaults())
@@ -115,7 +123,7 @@ def compensate(
     _fill_targets(options, listed, keep)
     options.framing, options.transparent_free = one_of(FRAMINGS, fit, "fit"), one_of(_TRANSPARENT, transparent, "transparent")
     options.gain, options.paint, options.steps, options.gaussians_only = gain, paint, steps, gaussians_only
-    options.black_level = black_level
+    options.black_level, options.sharpen = black_level, sharpen
     options.drawing, stats = drawing_of(form, samples), ffi.new("FfpCompensationStats *")
     with holding(gaussians, capture), Call(progress, threads) as call:
         made = lib.ffp_compensate_images(
@@ -143,6 +151,7 @@ def _fill_targets(options: Any, targets: list[Any], keep: Keep) -> None:
         options.targets = keep.texts([keep.path(t) for t in targets])
 
 
+@checked
 def maps(
     gaussians: Gaussians | PathLike,
     capture: Capture | PathLike,
@@ -169,11 +178,15 @@ def maps(
         ``incidence`` (degrees, -1: no surface), ``density`` (camera pixels per projector pixel), ``resolution``
         (projector pixels per world unit), ``illuminance`` (cosine / distance^2, normalised to a maximum of 1)
         [height,width]. And the statistics of the round trip.
+
+    Raises:
+        ArgumentError: an argument is wrong.
+        Error: a file cannot be read; its subclass says why.
     """
     gaussians, capture = gaussians_of(gaussians), capture_of(capture)
-    stats, drawing = ffi.new("FfpMapStats *"), drawing_of(form, samples)
+    stats, drawing = ffi.new("FfpWarpStats *"), drawing_of(form, samples)
     with holding(gaussians, capture), Call(progress, threads) as call:
-        made = lib.ffp_map_images(
+        made = lib.ffp_warp_images(
             call.context, gaussians._pointer, capture._pointer, devices.to_c(camera), devices.to_c(projector), drawing,
             stats, call.error,
         )  # fmt: skip

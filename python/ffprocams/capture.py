@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import devices
+from ._arguments import checked, expects
 from ._call import Call, Handle, Keep, PathLike, ProgressOption, holding
 from ._library import ffi, lib
 from ._pixels import Array, Floats, array_of, picture_of
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from .gaussians import Gaussians
 
 
+@checked
 @dataclass
 class View:
     """One view of an object, for Capture.from_arrays.
@@ -74,6 +76,20 @@ class AlignStats:
     projector_moved: float = 0.0
 
 
+@dataclass
+class FoundProjector:
+    """Deviations of find_projector."""
+
+    distance: float = 0.0  #: from the object's centre, world units
+    turned: float = 0.0  #: standard deviation of its direction, degrees
+    moved: float = 0.0  #: of its place, world units
+    focal: float = 0.0  #: of its focal length, as a share
+    centre: tuple[float, ...] = ()  #: of its principal point, pixels
+    rms: float = 0.0  #: of the points used, pixels of the projector
+    points: int = 0  #: of the object's surface that have codes
+    used: int = 0  #: of them no outliers
+
+
 def plain(value: Any) -> Any:
     """A number, string or tuple from a member of a C struct."""
     if not isinstance(value, ffi.CData):
@@ -88,6 +104,7 @@ def record(kind: type[Any], c: Any) -> Any:
     return kind(**{name: plain(getattr(c, name)) for name in kind.__dataclass_fields__})
 
 
+@checked
 class Capture(Handle):
     """Views of one object, each photographed under a black, a white and further patterns.
 
@@ -110,7 +127,8 @@ class Capture(Handle):
 
     @classmethod
     def open(cls, path: PathLike) -> Capture:
-        """Reads and checks a folder with scene.json or render_poses.json, or such a file."""
+        """Reads and checks a folder with scene.json or render_poses.json, or such a file.
+        Raises MissingFileError or FileFormatError for a file that is missing or damaged."""
         keep = Keep()
         with Call() as call:
             return cls(
@@ -145,6 +163,9 @@ class Capture(Handle):
             intensity: [3] or one number, the projector's radiant intensity at pattern value 1; None: estimated.
             centre, radius: a sphere around the object, world units; radius 0: estimated.
             name: of the capture.
+
+        Raises:
+            ArgumentError: an argument is wrong, or what a view or pattern contains; the error names it.
         """
         names, keep = list(patterns), Keep()
         for what in (black, white, *held_out):
@@ -161,8 +182,8 @@ class Capture(Handle):
         data.views = keep(ffi.new("FfpViewData[]", len(views)))
         for i, view in enumerate(views):
             _fill_view(data.views[i], view, names, keep)
-        data.intensity = [0.0] * 3 if intensity is None else three(intensity)
-        data.centre, data.radius = three(centre), radius
+        data.intensity = [0.0] * 3 if intensity is None else three(intensity, "intensity")
+        data.centre, data.radius = three(centre, "centre"), radius
         with Call() as call:
             return cls(
                 call.take(lib.ffp_capture_from_memory(call.context, data, call.error), lib.ffp_capture_close)
@@ -197,6 +218,10 @@ class Capture(Handle):
 
         Checks that were passed are among the findings, with severity "ok". A reconstruction of a capture with a
         finding of severity "fault" raises FaultError, unless it is forced.
+
+        Raises:
+            ArgumentError: an argument is wrong.
+            CancelledError: the progress function returned False.
         """
         count = ffi.new("int *")
         with holding(self), Call(progress, threads) as call:
@@ -204,11 +229,11 @@ class Capture(Handle):
         return [finding_of(found[i]) for i in range(count[0])]
 
     def camera(self, view: str | int = 0) -> Pinhole:
-        """A view's camera."""
+        """A view's camera. Raises ArgumentError or IndexError if there is no such view."""
         return self._devices(view)[0]
 
     def projector(self, view: str | int = 0) -> Pinhole:
-        """A view's projector."""
+        """A view's projector. Raises ArgumentError or IndexError if there is no such view."""
         return self._devices(view)[1]
 
     def _devices(self, view: str | int) -> tuple[Pinhole, Pinhole]:
@@ -218,17 +243,20 @@ class Capture(Handle):
         return devices.from_c(camera), devices.from_c(projector)
 
     def photograph(self, view: str | int, pattern: str | int) -> Floats | None:
-        """[height,width,3] linear light over black; None if the view has no photograph under that pattern."""
+        """[height,width,3] linear light over black; None if the view has no photograph under that pattern.
+        Raises ArgumentError or IndexError if there is no such view or pattern."""
         return array_of(
             lib.ffp_capture_picture(self._pointer, self._view(view), self._pattern(pattern)), self
         )
 
     def pattern(self, pattern: str | int) -> Floats | None:
-        """[height,width,3] linear, of the projector's size; None if the pattern has no picture."""
+        """[height,width,3] linear, of the projector's size; None if the pattern has no picture.
+        Raises ArgumentError or IndexError if there is no such pattern."""
         return array_of(lib.ffp_capture_picture(self._pointer, -1, self._pattern(pattern)), self)
 
     def coverage(self, view: str | int) -> Floats:
-        """[height,width] the object's share of each pixel, in [0,1]."""
+        """[height,width] the object's share of each pixel, in [0,1].
+        Raises ArgumentError or IndexError if there is no such view."""
         out = array_of(lib.ffp_capture_coverage(self._pointer, self._view(view)), self)
         assert out is not None
         return out
@@ -256,7 +284,8 @@ class Capture(Handle):
         return np.array(list(centre)), float(radius[0])
 
     def save(self, folder: PathLike) -> None:
-        """Writes a capture folder, completely or not at all; it must be new or empty."""
+        """Writes a capture folder, completely or not at all; it must be new or empty.
+        Raises FileFormatError if it is not, InputOutputError if it cannot be written."""
         keep = Keep()
         with holding(self), Call() as call:
             call.check(lib.ffp_capture_save(call.context, self._pointer, keep.path(folder), call.error))
@@ -269,6 +298,7 @@ class Capture(Handle):
         )
 
 
+@checked
 def align(
     capture: Capture,
     pattern: str | None = None,
@@ -287,6 +317,10 @@ def align(
             by it, from that view's photographs alone. Not with focal_lengths; ``pattern`` is ignored.
         progress: see ffprocams.ProgressOption.
         threads: number of threads; 0: all processors.
+
+    Raises:
+        ArgumentError: an argument is wrong, or no view has that pattern.
+        Error: the photographs do not determine the poses.
     """
     keep, stats = Keep(), ffi.new("FfpAlignmentStats *")
     with holding(capture, gaussians), Call(progress, threads) as call:
@@ -298,11 +332,10 @@ def align(
     return out
 
 
-def three(numbers: npt.ArrayLike) -> list[float]:
+def three(numbers: npt.ArrayLike, name: str) -> list[float]:
     """Three numbers, from as many or from one."""
     array = np.asarray(numbers, np.float64).reshape(-1)
-    if array.size not in (1, 3):
-        raise argument_error(f"expected one or three numbers, not {array.size}", "intensity, centre")
+    expects(array.size in (1, 3), name, "one or three numbers", array.size)
     return [float(x) for x in np.broadcast_to(array, 3)]
 
 
@@ -333,3 +366,26 @@ def _fill_view(c: Any, view: View, patterns: list[str], keep: Keep) -> None:
     c.masked = view.masked
     c.depth = picture_of(view.depth, keep, f"view {view.id}: depth")[0]
     c.correspondence = picture_of(view.correspondence, keep, f"view {view.id}: correspondence")[0]
+
+
+@checked
+def find_projector(
+    capture: Capture, gaussians: Gaussians, *, progress: ProgressOption = None, threads: int = 0
+) -> FoundProjector:
+    """Finds place and lens of a projector that no calibration describes, in place, from its Gray codes on an object.
+
+    Args:
+        capture: of photographs under that projector alone, made with ``other_projector``; its cameras are right.
+        gaussians: the object, in the capture's world.
+        progress: see ffprocams.ProgressOption.
+        threads: number of threads; 0: all processors.
+
+    Raises:
+        ArgumentError: an argument is wrong, or no view has Gray codes.
+        Error: the codes do not determine the projector.
+    """
+    found = ffi.new("FfpFoundProjector *")
+    with holding(capture, gaussians), Call(progress, threads) as call:
+        call.check(lib.ffp_find_projector(call.context, capture._pointer, gaussians._pointer, found, call.error))
+    out: FoundProjector = record(FoundProjector, found)
+    return out

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ._arguments import checked, expects
 from ._call import PathLike
 from ._library import ffi
 from .errors import ErrorCode, FileFormatError, argument_error
@@ -23,9 +24,12 @@ Doubles = npt.NDArray[np.float64]
 
 
 def rotation_of(rotation: npt.ArrayLike) -> Doubles:
-    """A rotation matrix [3,3], given as such or as OpenCV's rvec: axis times angle in radians (Rodrigues' formula)."""
+    """A rotation matrix [3,3], given as such or as OpenCV's rvec: axis times angle in radians (Rodrigues' formula).
+    Raises ArgumentError for matrices that scale or mirror."""
     given = np.asarray(rotation, np.float64)
     if given.shape == (3, 3):
+        if not np.allclose(given @ given.T, np.eye(3), atol=1e-3) or np.linalg.det(given) < 0:
+            raise argument_error("scales or mirrors: a rotation is needed", "rotation")
         return given
     if given.size != 3:
         raise argument_error(f"shape {given.shape} is neither a rotation [3,3] nor an rvec [3]", "rotation")
@@ -56,7 +60,9 @@ def rigid(rotation: npt.ArrayLike, translation: npt.ArrayLike) -> Doubles:
     """The 4x4 rigid transform x -> R x + t, from a rotation ([3,3] or rvec) and a translation [3]."""
     out = np.eye(4)
     out[:3, :3] = rotation_of(rotation)
-    out[:3, 3] = np.asarray(translation, np.float64).reshape(3)
+    way = np.asarray(translation, np.float64)
+    expects(way.size == 3, "translation", "three numbers", translation)
+    out[:3, 3] = way.reshape(3)
     return out
 
 
@@ -66,6 +72,7 @@ def inverse(motion: npt.ArrayLike) -> Doubles:
     return rigid(m[:3, :3].T, -m[:3, :3].T @ m[:3, 3])
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Pinhole:
     """A camera without lens distortion, or a projector, modelled as a camera with light travelling the other way."""
@@ -102,6 +109,9 @@ class Pinhole:
             translation: tvec [3], world to device, world units.
             size: width and height in pixels.
             centres_at_integers: whether the matrix puts pixel centres at integers, as OpenCV does.
+
+        Raises:
+            ArgumentError: an argument has a wrong shape, or the matrix has skew.
         """
         k = np.asarray(matrix, np.float64)
         if k.shape != (3, 3) or abs(k[0, 1]) > 1e-9 * abs(k[0, 0]) or not np.allclose(k[2], (0, 0, 1)):
@@ -120,13 +130,15 @@ class Pinhole:
         fov: float,
         up: npt.ArrayLike = (0, 0, 1),
     ) -> Pinhole:
-        """A camera at ``eye`` looking at ``target``, world units; ``fov``: horizontal field of view, degrees."""
+        """A camera at ``eye`` looking at ``target``, world units; ``fov``: horizontal field of view, degrees.
+        Raises ArgumentError for a target at ``eye``, or in the direction of ``up``, and an impossible ``fov``."""
         e, z = np.asarray(eye, np.float64), np.asarray(target, np.float64) - np.asarray(eye, np.float64)
         x = np.cross(z, np.asarray(up, np.float64))
         if not np.linalg.norm(x) > 1e-12:
             raise argument_error("the direction to it is zero or parallel to 'up'", "target")
         y = np.cross(z, x)
         axes = [a / np.linalg.norm(a) for a in (x, y, z)]
+        expects(0 < fov < 180, "fov", "more than 0 and less than 180 degrees", fov)
         width, height = (int(n) for n in size)
         f = width / 2 / float(np.tan(np.radians(fov) / 2))
         return cls(width, height, f, f, width / 2, height / 2, rigid(np.stack(axes, 1), e))
@@ -142,11 +154,15 @@ class Pinhole:
         return np.array(self.pose[:3, 3])
 
     def moved(self, motion: npt.ArrayLike) -> Pinhole:
-        """The device moved by a 4x4 rigid transform of the world."""
-        return replace(self, pose=np.asarray(motion, np.float64) @ self.pose)
+        """The device moved by a 4x4 rigid transform of the world. Raises ArgumentError if it is not [4,4]."""
+        matrix = np.asarray(motion, np.float64)
+        expects(matrix.shape == (4, 4), "motion", "shape (4, 4)", matrix.shape)
+        return replace(self, pose=matrix @ self.pose)
 
     def resized(self, width: int, height: int) -> Pinhole:
-        """The same view at another size in pixels."""
+        """The same view at another size in pixels. Raises ArgumentError for a size below 1."""
+        for name, side in (("width", width), ("height", height)):
+            expects(side >= 1, name, "at least 1", side)
         x, y = width / self.width, height / self.height
         return replace(
             self, width=width, height=height, fx=self.fx * x, fy=self.fy * y, cx=self.cx * x, cy=self.cy * y
@@ -163,8 +179,7 @@ def fill(out: Any, pinhole: Pinhole) -> None:
     for name in ("width", "height", "fx", "fy", "cx", "cy"):
         setattr(out, name, getattr(pinhole, name))
     pose = np.asarray(pinhole.pose, np.float64)
-    if pose.shape != (4, 4):
-        raise argument_error(f"shape {pose.shape} is not [4,4]", "pose")
+    expects(pose.shape == (4, 4), "pose", "shape (4, 4)", pose.shape)
     out.pose = pose.ravel().tolist()
 
 
@@ -189,6 +204,7 @@ _SIDES = {"camera_size": ("camW", "camH"), "projector_size": ("prjW", "prjH")}
 _SHAPES = {"camera_size": "img_shape"}
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Calibration:
     """A camera and a projector fixed to each other. The world is the camera's frame.
@@ -216,6 +232,9 @@ class Calibration:
         Matrices [3,3], distortions, rotation (R or rvec) and translation from camera to projector, X_p = R X_c + T,
         and sizes as width, height, which can be arguments instead (img_shape is height, width, as the program and
         procam-calibration write it). Other keys are ignored.
+
+        Raises:
+            ArgumentError: a field is missing, given twice or of a wrong shape, or a lens has more terms than k3.
         """
         found: dict[str, Any] = {}
         for what, names in _KEYS.items():
@@ -263,7 +282,8 @@ class Calibration:
         camera_size: tuple[int, int] | None = None,
         projector_size: tuple[int, int] | None = None,
     ) -> Calibration:
-        """From an .npz file (np.savez) or a JSON file with the keys of from_dict."""
+        """From an .npz file (np.savez) or a JSON file with the keys of from_dict.
+        Raises FileNotFoundError for a missing file, FileFormatError for a damaged one, ArgumentError for fields as from_dict does."""
         name = os.fspath(path)
         if name.endswith(".npz"):
             try:
@@ -272,14 +292,14 @@ class Calibration:
             except (OSError, ValueError) as wrong:
                 if isinstance(wrong, FileNotFoundError) or hasattr(wrong, "code"):
                     raise
-                raise FileFormatError(f"cannot be read as .npz: {wrong} ({name})", ErrorCode.FILE) from wrong
+                raise FileFormatError(f"cannot be read as .npz: {wrong} ({name})", ErrorCode.FILE, name) from wrong
         with open(path, encoding="utf-8") as file:
             try:
                 parsed = json.load(file)
             except ValueError as wrong:
-                raise FileFormatError(f"cannot be read as JSON: {wrong} ({name})", ErrorCode.FILE) from wrong
+                raise FileFormatError(f"cannot be read as JSON: {wrong} ({name})", ErrorCode.FILE, name) from wrong
         if not isinstance(parsed, dict):
-            raise FileFormatError(f"is not a JSON object ({name})", ErrorCode.FILE)
+            raise FileFormatError(f"is not a JSON object ({name})", ErrorCode.FILE, name)
         return cls.from_dict(parsed, camera_size, projector_size, where=name)
 
     @property
@@ -298,8 +318,13 @@ class Calibration:
             axis: [3] direction of the turntable's axis, camera coordinates.
             point: [3] any point on the axis, camera coordinates, the calibration's unit.
             angles: rotation of the object at each stop, degrees, right-handed about the axis.
+
+        Raises:
+            ArgumentError: an argument is wrong, or the axis has no length.
         """
-        z = np.asarray(axis, np.float64) / np.linalg.norm(axis)
+        length = np.linalg.norm(axis)
+        expects(bool(length > 0), "axis", "a direction", axis)
+        z = np.asarray(axis, np.float64) / length
         x = np.cross((0.0, 1.0, 0.0) if abs(z[1]) < 0.9 else (1.0, 0.0, 0.0), z)
         x /= np.linalg.norm(x)
         frame = inverse(rigid(np.stack([x, np.cross(z, x), z], 1), point))  # camera to object at angle 0
@@ -307,7 +332,8 @@ class Calibration:
         return [(self.camera.moved(m), self.projector.moved(m)) for m in turns]
 
     def save(self, path: PathLike) -> None:
-        """Writes JSON that import_capture and the program read (with the names of OpenCV's samples)."""
+        """Writes JSON that import_capture and the program read (with the names of OpenCV's samples).
+        Raises OSError if it cannot be written."""
         motion = inverse(self.projector.pose)
         written: dict[str, Any] = {"R": motion[:3, :3].tolist(), "T": motion[:3, 3:].tolist()}
         devices = ((1, self.camera, self.camera_distortion), (2, self.projector, self.projector_distortion))
@@ -348,6 +374,7 @@ def _lens(given: Any, where: str) -> Doubles:
     return lens
 
 
+@checked
 def pinholes_from_pycolmap(model: Any) -> dict[str, Pinhole]:
     """The devices of a COLMAP model, by the names of their images.
 
@@ -355,6 +382,10 @@ def pinholes_from_pycolmap(model: Any) -> dict[str, Pinhole]:
         model: a pycolmap.Reconstruction, or the folder of one (which requires pycolmap). Its cameras must be PINHOLE or
             SIMPLE_PINHOLE: undistort the images first (COLMAP's image_undistorter), or give the folder of the text
             model to import_capture, which removes lens distortion.
+
+    Raises:
+        ArgumentError: a camera has lens distortion.
+        ImportError: a folder is given, and pycolmap is not installed.
     """
     if isinstance(model, (str, os.PathLike)):
         import pycolmap

@@ -42,15 +42,19 @@ class Error(Exception):
     def __str__(self) -> str:
         return str(self.args[0])
 
-    def __init__(self, text: str, code: ErrorCode) -> None:
+    def __init__(self, text: str, code: ErrorCode, where: str = "") -> None:
         super().__init__(text)
         self.code = code
-        self.what, where = _split(text)
+        self.what = text.removesuffix(f" ({where})")
         self.file, self.field = _place(where, code)
 
 
 class ArgumentError(Error, ValueError):
     """An error by the caller: a value out of range, an unknown name."""
+
+
+class ArgumentTypeError(ArgumentError, TypeError):
+    """An argument of another type than its function expects."""
 
 
 class FileFormatError(Error, ValueError):
@@ -76,8 +80,8 @@ class InputOutputError(Error, OSError):
 class MissingFileError(InputOutputError, FileNotFoundError):
     """A file or folder does not exist."""
 
-    def __init__(self, text: str, code: ErrorCode) -> None:
-        super().__init__(text, code)
+    def __init__(self, text: str, code: ErrorCode, where: str = "") -> None:
+        super().__init__(text, code, where)
         self.errno, self.filename, self.strerror = errno.ENOENT, self.file, self.what
 
 
@@ -98,7 +102,7 @@ _CLASSES: dict[ErrorCode, type[Error]] = {
 
 def argument_error(what: str, where: str = "") -> ArgumentError:
     """An error found by the Python package itself."""
-    return ArgumentError(f"{what} ({where})" if where else what, ErrorCode.ARGUMENT)
+    return ArgumentError(f"{what} ({where})" if where else what, ErrorCode.ARGUMENT, where)
 
 
 def error_of(err: Any) -> Error:
@@ -107,25 +111,13 @@ def error_of(err: Any) -> Error:
         code = ErrorCode(err.code)
     except ValueError:
         code = ErrorCode.UNSUPPORTED
-    text = ffi.string(err.text).decode("utf-8", "replace")
-    missing = _split(text)[0].endswith((os.strerror(errno.ENOENT), "no such file or folder"))
+    text, where = (ffi.string(part).decode("utf-8", "replace") for part in (err.text, err.where))
+    error = _CLASSES[code](text, code, where)
+    missing = error.what.endswith((os.strerror(errno.ENOENT), "no such file or folder"))
     if missing and code in (ErrorCode.IO, ErrorCode.FILE):
-        return MissingFileError(text, ErrorCode.IO)
-    error = _CLASSES[code](text, code)
+        return MissingFileError(text, ErrorCode.IO, where)
     error.finding = ffi.string(err.finding).decode() if err.finding else None
     return error
-
-
-def _split(text: str) -> tuple[str, str]:
-    """ "WHAT (WHERE)" as WHAT and WHERE; WHERE may contain pairs of parentheses."""
-    if not text.endswith(")"):
-        return text, ""
-    depth = 0
-    for i in range(len(text) - 1, -1, -1):
-        depth += (text[i] == ")") - (text[i] == "(")
-        if depth == 0:
-            return (text[:i].rstrip(), text[i + 1 : -1]) if text[i - 1 : i] == " " else (text, "")
-    return text, ""
 
 
 def _place(where: str, code: ErrorCode) -> tuple[str | None, str | None]:

@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Union
 
+from ._arguments import Seed, checked, one_of
 from ._call import Call, Keep, PathLike, ProgressOption, holding, some
 from ._library import ffi, lib
 from .capture import record, three
 from .devices import Calibration
-from .gaussians import drawing_of, one_of
+from .gaussians import drawing_of
 from .reconstruction import ModelOption, _automatic, model_of
 
 _PREDICTORS = {
@@ -63,6 +64,7 @@ class Score:
     albedo_unlit_mse: float
 
 
+@checked
 def evaluate(
     captures: PathLike | Sequence[PathLike],
     *,
@@ -104,6 +106,10 @@ def evaluate(
         show_pattern: image file; the report also shows views under it.
         perceptual: safetensors with LPIPS weights.
         progress: see ffprocams.ProgressOption.
+
+    Raises:
+        ArgumentError: an argument is wrong.
+        Error: a file cannot be read or written; its subclass says why.
     """
     keep, weights = (
         Keep(),
@@ -130,6 +136,7 @@ def evaluate(
     return [record(Score, rows[i]) for i in range(count[0])]
 
 
+@checked
 @dataclass
 class SensorFaults:
     """Imperfections of the devices that see generated scenes. All 0: none."""
@@ -144,6 +151,24 @@ class SensorFaults:
     shift_error: float = 0.0  #: and of their positions, world units, 0 to 0.5
 
 
+@checked
+@dataclass
+class LightFaults:
+    """Faults of the devices that change the light of generated scenes (docs/design/data.md, "Real light"). All 0: nothing."""
+
+    real_light: float = 0.0  #: strength, 0 to 1, at which the seed draws all below that is 0
+    spread: float = 0.0  #: share of the projector's light that is spread by a Gaussian, 0 to 0.5
+    spread_reach: float = 0.0  #: its standard deviation, pixels of a panel 800 wide, 0 to 200; 0: 12
+    glare: float = 0.0  #: share of the camera's light likewise, 0 to 0.5
+    glare_reach: float = 0.0  #: share of the picture's longer side, 0 to 1; 0: 0.15
+    power: float = 0.0  #: the projector sends value^power of the file's values, to 5; 0: sRGB and ``SensorFaults.gamma``
+    vignetting: float = 0.0  #: share of the light that the camera loses at half a diagonal, 0 to 0.9
+    throw_fall: float = 0.0  #: and the projector
+    focus_blur: float = 0.0  #: standard deviation a world unit off the focal plane, pixels of a panel 800 wide
+    focus_at: float = 0.0  #: that plane's distance, relative to the middle of the scene; 0: 1
+
+
+@checked
 def generate(
     folder: PathLike,
     *,
@@ -154,16 +179,18 @@ def generate(
     resolution: int = 0,
     rig: str = "turntable",
     views: int = 0,
-    seed: int | None = None,
+    seed: Seed | None = None,
     mesh: PathLike | None = None,
     material: PathLike | None = None,
     materials: PathLike | None = None,
     patterns: PathLike | None = None,
     sensor: SensorFaults | None = None,
+    light: LightFaults | None = None,
     photographs: PathLike | None = None,
     attitudes: int | None = None,
     only: str | None = None,
     room: bool = False,
+    other_projector: bool = False,
     quality: int | None = None,
     check: bool = False,
     progress: ProgressOption = None,
@@ -186,12 +213,14 @@ def generate(
         materials: folder of pictures, each of which is a material, and of folders of maps; each scene draws one.
         patterns: folder of pictures that the projector shows in place of all lollipops but the first.
         sensor: imperfections of the devices.
+        light: faults that change light.
         photographs: folder of patterns (write_patterns): instead of captures, write photographs of one object on a
             turntable under all of them, and of a chessboard, by a rig with lenses (docs/design/data.md, "Photographs").
         attitudes: number of attitudes of that chessboard, 0 to 64; None: the program's default.
         only: of those photographs only this folder (view-045, attitude-03, turntable or empty), the same as among all of them.
         room: take those photographs in a real room that the seed decides, with turns and patterns that are held out
             (docs/design/data.md, "Rooms").
+        other_projector: the light of those photographs comes from another projector. Not with ``room``.
         quality: of the room's JPEG files, 1 to 100; None: the program's default.
         check: generate nothing, and raise an error that names the missing or incomplete scenes.
         progress: see ffprocams.ProgressOption.
@@ -199,6 +228,11 @@ def generate(
 
     Returns:
         The capture folders in ``folder``.
+
+    Raises:
+        ArgumentError: an argument is wrong, or does not go with another.
+        FileFormatError: with ``check``, scenes are missing.
+        Error: a file cannot be read or written; its subclass says why.
     """
     keep, options = Keep(), ffi.new("FfpGeneration *", lib.ffp_generation_defaults())
     options.folder, options.mesh, options.material = keep.path(folder), keep.path(mesh), keep.path(material)
@@ -210,18 +244,21 @@ def generate(
     if attitudes is not None:
         options.attitudes = attitudes
     options.only = keep.text(only)
-    options.room = room
+    options.room, options.other_projector = room, other_projector
     if quality is not None:
         options.quality = quality
     if seed is not None:
         options.seed = seed
     for name, value in vars(sensor or SensorFaults()).items():
         setattr(options.sensor, name, value)
+    for name, value in vars(light or LightFaults()).items():
+        setattr(options.light, name, value)
     with Call(progress, threads) as call:
         call.check(lib.ffp_generate(call.context, options, call.error))
     return sorted(p.parent for p in Path(os.fspath(folder)).glob("*/scene.json"))
 
 
+@checked
 @dataclass
 class Turntable:
     """An object that turned in front of a fixed camera and projector, in camera coordinates and the calibration's unit;
@@ -235,6 +272,7 @@ class Turntable:
     file: PathLike | None = None  #: JSON or YAML file that gives them instead; ``angles``, if any, replace those of the file
 
 
+@checked
 @dataclass
 class CalibratedAt:
     """The size at which a device was calibrated, and how its pictures relate to that size."""
@@ -249,6 +287,7 @@ class CalibratedAt:
 CalibrationOption = Union[PathLike, Calibration, Mapping[str, Any]]
 
 
+@checked
 def import_capture(
     folder: PathLike,
     calibrations: CalibrationOption | Sequence[CalibrationOption],
@@ -271,6 +310,7 @@ def import_capture(
     scene: bool = False,
     linear_images: bool = False,
     linear_patterns: bool = False,
+    other_projector: bool = False,
     exposure: float = 0.0,
     sphere: Sequence[float] | None = None,
     name: str | None = None,
@@ -302,16 +342,25 @@ def import_capture(
         projector_image: COLMAP: the image that stands for the projector; None: "calib".
         views: ids to import; none: all.
         camera, projector: sizes at calibration, and how pictures relate to them.
-        width: of the imported pictures, pixels; 0: unchanged.
+        width: of the imported pictures, pixels; 0: as fine as the photographs show the object, whose longer side has
+            at most 1024 pixels, all views two million, within half of the free memory and three minutes of a reconstruction;
+            and cut to it.
         scene: a whole scene before which the projector stands and the camera walks: no masks, no turntable.
         fit_response: estimate the projector's gamma and black level from the pictures, and keep them if held-out views
             gain by it.
         linear_images, linear_patterns: integer files hold linear light instead of sRGB.
+        other_projector: the photographs show the light of a projector that the calibration does not describe, whose
+            panel's size ``projector`` gives; find_projector then finds it.
         exposure: adjustment of linear values, in stops.
         sphere: centre and radius of a sphere around the object, 4 numbers; None: estimated.
         name: of the capture; None: the folder's.
         progress: see ffprocams.ProgressOption.
         threads: number of threads; 0: all processors.
+
+    Raises:
+        ArgumentError: an argument is wrong, or does not go with another.
+        FileFormatError: a file is invalid, or the folder is not empty.
+        Error: a file cannot be read or written; its subclass says why.
     """
     keep, options = Keep(), ffi.new("FfpImport *", lib.ffp_import_defaults())
     options.folder, options.name, options.projector_image = (
@@ -332,7 +381,7 @@ def import_capture(
     if options.masks == lib.FFP_MASKS_FROM_FILES:
         options.mask_files = keep.text(masks)
     options.width, options.fit_response, options.exposure = width, fit_response, exposure
-    options.scene = scene
+    options.scene, options.other_projector = scene, other_projector
     options.linear_images, options.linear_patterns = linear_images, linear_patterns
     if sphere is not None:
         options.object = [float(x) for x in sphere]
@@ -397,17 +446,19 @@ def _fill_pictures(
 
 
 def _fill_turntable(c: Any, turntable: Turntable, keep: Keep) -> None:
-    c.file, c.axis, c.point = keep.path(turntable.file), three(turntable.axis), three(turntable.point)
+    c.file, c.axis, c.point = keep.path(turntable.file), three(turntable.axis, "axis"), three(turntable.point, "point")
     c.angles = keep(ffi.new("double[]", [float(a) for a in turntable.angles]))
     c.n_angles = len(turntable.angles)
     c.find_axis, c.guessed = turntable.find_axis, turntable.guessed
 
 
+@checked
 def info(path: PathLike, report: PathLike | None = None) -> str:
     """Describes a capture, a weights file or a PLY in readable text.
 
     ``report`` names an HTML page to write of a capture: the same text, and a contact sheet of its
     masks in which doubtful views are marked.
+    Raises MissingFileError or FileFormatError for a file that is missing or damaged.
     """
     keep = Keep()
     with Call() as call:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from ._arguments import checked, expects, one_of
 from ._call import Call, Handle, Keep, PathLike, ProgressOption, holding, some
 from ._library import ffi, lib
 from ._pixels import Array, Floats, floats_at
@@ -28,7 +29,7 @@ _ORBITS = {
     "projector": lib.FFP_ORBIT_PROJECTOR,
     "object": lib.FFP_ORBIT_OBJECT,
 }
-_WIDTHS = {"centre": 3, "scale": 3, "rotation": 4, "opacity": 1, "albedo": 3, "roughness": 1, "ambient": 3}
+_WIDTHS = {"centre": 3, "scale": 3, "rotation": 4, "opacity": 1, "albedo": 3, "roughness": 1, "ambient": 3, "scattered": 3}  # fmt: skip
 
 
 @dataclass
@@ -50,6 +51,7 @@ class PageStats:
     photographs: int
 
 
+@checked
 class Gaussians(Handle):
     """Splats with material properties. Arrays have one row per Gaussian.
 
@@ -60,7 +62,8 @@ class Gaussians(Handle):
     @classmethod
     def load(cls, path: PathLike) -> Gaussians:
         """Reads a PLY with the property names of 3DGS, plus base_color_0..2 and roughness; or the plain splats of
-        other programs (PLY, SPZ, glTF)."""
+        other programs (PLY, SPZ, glTF).
+        Raises MissingFileError or FileFormatError for a file that is missing or damaged."""
         keep = Keep()
         with Call() as call:
             made = lib.ffp_gaussians_open(call.context, keep.path(path), ffi.NULL, call.error)
@@ -68,7 +71,8 @@ class Gaussians(Handle):
 
     @classmethod
     def from_bytes(cls, contents: bytes, name: str = "contents") -> Gaussians:
-        """As load, from a file's contents. name: what messages call it; its ending tells .splat and .gltf."""
+        """As load, from a file's contents. name: what messages call it; its ending tells .splat and .gltf.
+        Raises FileFormatError for damaged contents."""
         keep = Keep()
         with Call() as call:
             made = lib.ffp_gaussians_open(call.context, keep.text(name), keep.contents(contents), call.error)
@@ -84,6 +88,7 @@ class Gaussians(Handle):
         albedo: npt.ArrayLike,
         roughness: npt.ArrayLike,
         ambient: npt.ArrayLike,
+        scattered: npt.ArrayLike | None = None,
     ) -> Gaussians:
         """Copies the arrays and checks them (finite, in range), normalising rotations. Errors name array and row.
 
@@ -95,8 +100,12 @@ class Gaussians(Handle):
             albedo: [count,3] linear diffuse albedo.
             roughness: [count] in [0,1].
             ambient: [count,3] linear radiance shown when the projector is black.
+            scattered: [count,3] linear radiance that white adds in other ways than by its direct ray. None: none.
+
+        Raises:
+            ArgumentError: a shape or a number is wrong.
         """
-        return cls(_copy((centre, scale, rotation, opacity, albedo, roughness, ambient)))
+        return cls(_copy((centre, scale, rotation, opacity, albedo, roughness, ambient, scattered)))
 
     def _array(self, name: str) -> Floats:
         arrays, width = lib.ffp_gaussians_arrays(self._pointer), _WIDTHS[name]
@@ -138,6 +147,12 @@ class Gaussians(Handle):
         """[count,3] linear radiance shown when the projector is black."""
         return self._array("ambient")
 
+    @property
+    def scattered(self) -> Floats:
+        """[count,3] linear radiance that white adds in other ways than by its direct ray; it follows the pattern's mean.
+        Where all is 0, numbers written here count in copies alone."""
+        return self._array("scattered")
+
     def arrays(self) -> dict[str, Floats]:
         """All arrays by name, as for from_arrays."""
         return {name: self._array(name) for name in _WIDTHS}
@@ -158,10 +173,11 @@ class Gaussians(Handle):
 
     @classmethod
     def concatenate(cls, parts: Iterable[Gaussians]) -> Gaussians:
-        """The Gaussians of several objects in one world, in their order, as a copy of their arrays."""
+        """The Gaussians of several objects in one world, in their order, as a copy of their arrays.
+        Raises ArgumentError without any."""
         several = list(parts)
-        if not several:
-            raise argument_error("expected at least one", "parts")
+        fit = bool(several) and all(isinstance(part, Gaussians) for part in several)
+        expects(fit, "parts", "Gaussians, at least one", several)
         with holding(*several):
             return Gaussians(_copy(tuple(np.concatenate([p._array(name) for p in several]) for name in _WIDTHS)))
 
@@ -177,6 +193,9 @@ class Gaussians(Handle):
             rotation: [3,3], or OpenCV's rvec [3], axis times angle in radians.
             translation: [3] world units.
             scale: above 0.
+
+        Raises:
+            ArgumentError: not a rotation, three numbers and a scale above 0.
         """
         turn, way, s = rotation_of(rotation), np.asarray(translation, np.float64), float(scale)
         if not (np.isfinite(turn).all() and np.allclose(turn @ turn.T, np.eye(3), atol=1e-5) and np.linalg.det(turn) > 0):
@@ -231,7 +250,8 @@ class Gaussians(Handle):
         roughness: float = 0.5,
     ) -> Gaussians:
         """Plain splats in the form of to_3dgs: logarithms of the scales, logits of the opacities. Their colour becomes
-        albedo (within [0,1]) and ambient colour, as when a PLY of 3DGS is read."""
+        albedo (within [0,1]) and ambient colour, as when a PLY of 3DGS is read.
+        Raises ArgumentError for a wrong shape or number."""
         encoded = np.clip(0.5 + 0.28209479177387814 * np.asarray(sh0, np.float64).reshape(-1, 3), 0, None)
         linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
         logits = np.asarray(opacities, np.float64).reshape(-1)
@@ -259,7 +279,7 @@ class Gaussians(Handle):
 
     def save(self, path: PathLike) -> None:
         """Writes a PLY that load reads, without Gaussians too faint to be visible (opacity below 1/255); it is an error
-        if all of them are."""
+        if all of them are. Raises ArgumentError in that case, InputOutputError if the file cannot be written."""
         keep = Keep()
         with holding(self), Call() as call:
             call.check(lib.ffp_gaussians_save(call.context, self._pointer, keep.path(path), call.error))
@@ -308,6 +328,10 @@ class Gaussians(Handle):
             force: let plain splats replace a PLY of relightable Gaussians.
             progress: see ffprocams.ProgressOption.
             threads: number of threads; 0: all processors.
+
+        Raises:
+            ArgumentError: an argument is wrong, or needs the capture.
+            Error: a file cannot be read or written; its subclass says why.
         """
         given = None if capture is None else capture_of(capture)
         keep, options, stats = Keep(), ffi.new("FfpExport *", lib.ffp_export_defaults()), ffi.new("FfpExportStats *")
@@ -343,6 +367,10 @@ class Gaussians(Handle):
             form, samples: how Gaussians are drawn, as in Renderer; not "gs-procams".
             progress: see ffprocams.ProgressOption.
             threads: number of threads; 0: all processors.
+
+        Raises:
+            ArgumentError: an argument is wrong.
+            Error: a file cannot be read or written; its subclass says why.
         """
         given = capture_of(capture)
         keep, options, stats = Keep(), ffi.new("FfpPage *", lib.ffp_page_defaults()), ffi.new("FfpPageStats *")
@@ -395,6 +423,10 @@ class Gaussians(Handle):
             form, samples: how Gaussians are drawn, as in Renderer.
             progress: see ffprocams.ProgressOption.
             threads: number of threads; 0: all processors.
+
+        Raises:
+            ArgumentError: an argument is wrong, or names a view or pattern that the capture lacks.
+            Error: a file cannot be read or written; its subclass says why.
         """
         given = None if capture is None else capture_of(capture)
         keep, options = Keep(), ffi.new("FfpPictures *", lib.ffp_pictures_defaults())
@@ -403,7 +435,7 @@ class Gaussians(Handle):
         options.patterns, options.n_patterns = keep.texts(shown), len(shown)
         options.folder, options.poses, options.video = keep.path(folder), keep.path(poses), keep.path(video)
         options.framing, options.width, options.height = one_of(FRAMINGS, fit, "fit"), width, height
-        options.intensity, options.frames, options.rate, options.maps = three(intensity), frames, rate, maps
+        options.intensity, options.frames, options.rate, options.maps = three(intensity, "intensity"), frames, rate, maps
         if orbit is not None:
             options.orbit = one_of(_ORBITS, orbit, "orbit")
         options.drawing = drawing_of(form, samples)
@@ -418,11 +450,13 @@ class Gaussians(Handle):
         return f"<{type(self).__name__}: {len(self)}>"
 
 
-def _copy(given: tuple[npt.ArrayLike, ...]) -> Any:
-    """A pointer to new Gaussians with a copy of the numbers, in the order of _WIDTHS."""
+def _copy(given: tuple[npt.ArrayLike | None, ...]) -> Any:
+    """A pointer to new Gaussians with a copy of the numbers, in the order of _WIDTHS; None: the library's default."""
     arrays, keep = ffi.new("FfpGaussianArrays *"), Keep()
     count = len(np.atleast_1d(np.asarray(given[0])))
     for (name, width), numbers in zip(_WIDTHS.items(), given):
+        if numbers is None and name == "scattered":
+            continue
         array = keep(np.ascontiguousarray(numbers, np.float32))
         if array.shape != ((count,) if width == 1 else (count, width)):
             wanted = f"[{count}]" if width == 1 else f"[{count},{width}]"
@@ -452,13 +486,14 @@ def gaussians_of(given: Gaussians | PathLike) -> Gaussians:
     return given if isinstance(given, Gaussians) else Gaussians.load(given)
 
 
+@checked
 class Model(Handle):
     """Weights of the network."""
 
     @classmethod
     def open(cls, path: PathLike | None = None) -> Model:
         """Reads safetensors. None: the shipped weights, or small.safetensors in the folder named by the environment
-        variable FFPROCAMS_MODELS."""
+        variable FFPROCAMS_MODELS. Raises MissingFileError or FileFormatError for a file that is missing or damaged."""
         keep = Keep()
         with Call() as call:
             return cls(
@@ -467,14 +502,14 @@ class Model(Handle):
 
     @classmethod
     def from_bytes(cls, contents: bytes) -> Model:
-        """As open, from a file's contents."""
+        """As open, from a file's contents. Raises FileFormatError for damaged contents."""
         keep = Keep()
         with Call() as call:
             made = lib.ffp_model_open(call.context, ffi.NULL, keep.contents(contents), call.error)
             return cls(call.take(made, lib.ffp_model_close))
 
     def to_bytes(self, *, exact: bool = False) -> bytes:
-        """The contents of the file that save writes."""
+        """The contents of the file that save writes. Raises ArgumentError if ``exact`` is not True or False."""
         with holding(self), Call() as call:
             size = ffi.new("size_t *")
             made = lib.ffp_model_bytes(call.context, self._pointer, exact, size, call.error)
@@ -491,7 +526,8 @@ class Model(Handle):
         return out
 
     def save(self, path: PathLike, *, exact: bool = False) -> None:
-        """Writes safetensors that open reads. exact: matrices in float32, not in bfloat16."""
+        """Writes safetensors that open reads. exact: matrices in float32, not in bfloat16.
+        Raises InputOutputError if it cannot be written."""
         keep = Keep()
         with holding(self), Call() as call:
             call.check(lib.ffp_model_save(call.context, self._pointer, keep.path(path), exact, call.error))
@@ -500,15 +536,7 @@ class Model(Handle):
 _FORMS = {"ours": lib.FFP_FORM_OURS, "paper": lib.FFP_FORM_PAPER, "gs-procams": lib.FFP_FORM_GS_PROCAMS}
 
 
-def one_of(table: Mapping[str, int], name: str, what: str) -> int:
-    """The value that a name stands for."""
-    if name not in table:
-        raise argument_error(f"'{name}' is not one of {', '.join(table)}", what)
-    return table[name]
-
-
 def drawing_of(form: str, samples: int) -> dict[str, int]:
     """An FfpDrawing."""
-    if not 0 <= samples <= 4:
-        raise argument_error(f"{samples} is not in 0 to 4", "samples")
+    expects(0 <= samples <= 4, "samples", "0 to 4", samples)
     return {"form": one_of(_FORMS, form, "form"), "samples": samples}

@@ -15,16 +15,19 @@ from typing import Any
 
 import numpy as np
 
+from ._arguments import checked
 from ._call import PathLike
 from ._pixels import Array, Floats, encode
 from .capture import Capture
-from .devices import Pinhole, inverse, quaternion_of, rigid
-from .errors import argument_error
+from .devices import Pinhole, inverse, quaternion_of, rigid, rotation_of
+from .errors import ArgumentError, argument_error
 from .gaussians import Gaussians, gaussians_of
 from .renderer import Renderer
 
 _OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # nerfstudio's cameras: y up, z backwards
-_SIMPLE_PINHOLE, _PINHOLE = 0, 1  # COLMAP's numbers of its camera models
+_PINHOLE = 1  # COLMAP's number of the model
+# Its models without distortion, or whose distortion is zero: how many focal lengths, and how many numbers of distortion.
+_COLMAP_MODELS = {0: (1, 0), _PINHOLE: (2, 0), 2: (1, 1), 3: (1, 2), 4: (2, 4), 6: (2, 8)}
 
 # Of a view: the rows of the points that it sees, and their positions in pixels [...,2].
 _Track = tuple[Array, Array]
@@ -136,6 +139,7 @@ def _numbers(p: Pinhole) -> dict[str, Any]:
     return {"fl_x": p.fx, "fl_y": p.fy, "cx": p.cx, "cy": p.cy, "w": p.width, "h": p.height}
 
 
+@checked
 def to_transforms(
     capture: Capture,
     folder: PathLike,
@@ -150,6 +154,9 @@ def to_transforms(
         gaussians: the object's; then depth is written too, as ``depths/VIEW.npy`` in thousandths of the world's unit,
             which is what nerfstudio expects (its depth_unit_scale_factor is 0.001), and ``points.ply``, where its
             splatfacto starts (``ply_file_path``).
+
+    Raises:
+        ArgumentError: an argument is wrong, or the folder is not empty, or a view has no photograph under the pattern.
     """
     path = _new_folder(folder)
     frames: dict[str, list[dict[str, Any]]] = {"frames": [], "ffprocams_projectors": []}
@@ -176,9 +183,12 @@ def to_transforms(
     return out
 
 
+@checked
 def from_transforms(file: PathLike) -> tuple[dict[str, Pinhole], dict[str, Pinhole]]:
-    """The cameras of a ``transforms.json`` by the file names of their pictures, and, if to_transforms wrote it, the
-    projectors by the same names. Intrinsics may be each frame's own or the document's; lens distortion is refused."""
+    """The cameras of a ``transforms.json`` by the file names of their pictures, or by their paths without suffixes where
+    file names repeat, and, if to_transforms wrote it, the projectors by the same names. Intrinsics may be each frame's own
+    or the document's. Raises ArgumentError for lens distortion, cameras that are not pinholes, poses that scale or mirror,
+    and pictures that are listed twice."""
     path = Path(file)
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
@@ -187,9 +197,34 @@ def from_transforms(file: PathLike) -> tuple[dict[str, Pinhole], dict[str, Pinho
         raise argument_error(f"not a transforms.json: {wrong}", str(path)) from wrong
 
 
+# nerfstudio's words for cameras without distortion, or whose distortion is zero.
+_PINHOLE_MODELS = ("PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "RADIAL", "SIMPLE_RADIAL", "FULL_OPENCV", "PERSPECTIVE")
+
+
+def _names_of_pictures(paths: list[str]) -> list[str]:
+    """File names without folder and suffix, or, if two are the same, paths without suffixes."""
+    stems = [Path(path).stem for path in paths]
+    return stems if len(set(stems)) == len(stems) else [str(Path(path).with_suffix("")) for path in paths]
+
+
+def _check_new(out: dict[str, Pinhole], name: str, files: dict[str, str], where: str, file: str) -> None:
+    if name in out:
+        raise argument_error(f"the pictures {files[name]!r} and {file!r} have the same name {name!r}", where)
+
+
+def _rotation(turn: Array, where: str) -> Array:
+    try:
+        return rotation_of(turn)
+    except ArgumentError as wrong:
+        raise argument_error("scales or mirrors: a rotation is needed", where) from wrong
+
+
 def _frames(document: dict[str, Any], key: str) -> dict[str, Pinhole]:
-    out = {}
-    for i, frame in enumerate(document.get(key, [])):
+    out: dict[str, Pinhole] = {}
+    files: dict[str, str] = {}
+    frames = document.get(key, [])
+    names = _names_of_pictures([str(frame.get("file_path", i)) for i, frame in enumerate(frames)])
+    for i, (frame, name) in enumerate(zip(frames, names)):
         where = f"{key}[{i}]"
 
         def number(name: str, frame: dict[str, Any] = frame, where: str = where) -> float:
@@ -198,14 +233,23 @@ def _frames(document: dict[str, Any], key: str) -> dict[str, Pinhole]:
                 raise argument_error("is missing or not a number", f"{where}.{name}")
             return float(value)
 
-        for bent in ("k1", "k2", "k3", "k4", "p1", "p2"):
+        model = frame.get("camera_model", document.get("camera_model", "PINHOLE"))
+        fisheye = frame.get("is_fisheye", document.get("is_fisheye", False))
+        if model not in _PINHOLE_MODELS or fisheye:
+            what = "a fisheye camera" if fisheye else f"{model}"
+            raise argument_error(f"is {what}, not a pinhole: undistort the pictures first", f"{where}.camera_model")
+        for bent in ("k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"):
             if frame.get(bent, document.get(bent, 0)) != 0:
                 raise argument_error("lens distortion must be removed first", f"{where}.{bent}")
         pose = np.asarray(frame.get("transform_matrix"), np.float64)
-        if pose.shape != (4, 4) or not np.isfinite(pose).all():
-            raise argument_error("is not a matrix of 4 x 4 numbers", f"{where}.transform_matrix")
-        name = Path(str(frame.get("file_path", i))).stem
-        out[name.removeprefix("projector_") if key != "frames" else name] = Pinhole(
+        if pose.shape not in ((3, 4), (4, 4)) or not np.isfinite(pose).all():
+            raise argument_error("is not a matrix of 3 x 4 or 4 x 4 numbers", f"{where}.transform_matrix")
+        pose = rigid(_rotation(pose[:3, :3], f"{where}.transform_matrix"), pose[:3, 3])
+        if key != "frames":
+            name = str(Path(name).with_name(Path(name).name.removeprefix("projector_")))
+        _check_new(out, name, files, f"{where}.file_path", str(frame.get("file_path", i)))
+        files[name] = str(frame.get("file_path", i))
+        out[name] = Pinhole(
             int(number("w")),
             int(number("h")),
             number("fl_x"),
@@ -256,6 +300,7 @@ def _write_model(
     (folder / "points3D.bin").write_bytes(struct.pack("<Q", len(centre)) + whole)
 
 
+@checked
 def to_colmap(
     capture: Capture,
     folder: PathLike,
@@ -270,6 +315,9 @@ def to_colmap(
         pattern: whose photographs are written; None: white.
         gaussians: the object's; then the model has their centres as points, with colours and tracks, and depth is written
             as COLMAP's ``stereo/depth_maps/VIEW.png.geometric.bin``. Trainers that start from points need them.
+
+    Raises:
+        ArgumentError: an argument is wrong, or the folder is not empty, or a view has no photograph under the pattern.
     """
     path = _new_folder(folder)
     names = [Path(name).name for name in _photographs(capture, pattern, path)]
@@ -325,16 +373,23 @@ def _pose(reader: _Reader, name: str, numbers: tuple[float, ...]) -> Array:
 def _read_model(folder: Path) -> dict[str, Pinhole]:
     """The devices of a binary model by the names of their images without suffix."""
     cameras: dict[int, tuple[int, int, float, float, float, float]] = {}
-    out = {}
+    out: dict[str, Pinhole] = {}
+    files: dict[str, str] = {}
+    if (folder / "cameras.txt").is_file() and not (folder / "cameras.bin").is_file():
+        raise argument_error(
+            "is a text model: pinholes_from_pycolmap reads it, or colmap model_converter --output_type BIN makes it binary",
+            str(folder),
+        )
     reader = _Reader(folder / "cameras.bin")
     for _ in range(reader.take("<Q")[0]):
         number, kind, width, height = reader.take("<IiQQ")
-        if kind not in (_SIMPLE_PINHOLE, _PINHOLE):
-            raise argument_error(
-                f"camera {number} is neither PINHOLE nor SIMPLE_PINHOLE: undistort the images first", reader.path
-            )
-        fx, *rest = reader.take("<4d" if kind == _PINHOLE else "<3d")
-        fy, cx, cy = rest if kind == _PINHOLE else (fx, *rest)
+        if kind not in _COLMAP_MODELS:
+            raise argument_error(f"camera {number} is not a pinhole: undistort the images first", reader.path)
+        focal, bent = _COLMAP_MODELS[kind]
+        lens = reader.take(f"<{focal + 2 + bent}d")
+        fx, fy, (cx, cy) = lens[0], lens[focal - 1], lens[focal : focal + 2]
+        if any(lens[focal + 2 :]):
+            raise argument_error(f"camera {number} has lens distortion: undistort the images first", reader.path)
         if not np.isfinite((fx, fy, cx, cy)).all():
             raise argument_error(f"camera {number} is not finite", reader.path)
         cameras[number] = (width, height, fx, fy, cx, cy)
@@ -346,15 +401,20 @@ def _read_model(folder: Path) -> dict[str, Pinhole]:
         if camera not in cameras:
             raise argument_error(f"image {name!r}: no camera {camera}", reader.path)
         pose = _pose(reader, name, tuple(numbers))
-        out[str(PurePosixPath(name).with_suffix(""))] = Pinhole(*cameras[camera], pose)
+        key = str(PurePosixPath(name).with_suffix(""))
+        _check_new(out, key, files, reader.path, name)
+        files[key] = name
+        out[key] = Pinhole(*cameras[camera], pose)
     return out
 
 
+@checked
 def from_colmap(folder: PathLike) -> tuple[dict[str, Pinhole], dict[str, Pinhole]]:
-    """The cameras of a binary COLMAP model (``sparse/0`` in the folder, or the folder itself) by the names of their images
-    without suffix, and, if to_colmap wrote them, the projectors by the same names. Cameras with lens distortion are refused:
-    undistort the images first. pinholes_from_pycolmap reads text models too."""
+    """The cameras of a binary COLMAP model (``sparse/0`` or ``sparse`` in the folder, or the folder itself) by the names of
+    their images without suffix, and, if to_colmap wrote them, the projectors by the same names. Raises ArgumentError for
+    lens distortion (undistort the images first), for images of the same name, for damaged files, and for text models, which
+    pinholes_from_pycolmap reads; FileNotFoundError for missing files."""
     path = Path(folder)
-    inner = path / "sparse" / "0"
-    cameras = _read_model(inner if inner.is_dir() else path)
+    places = (path / "sparse" / "0", path / "sparse")
+    cameras = _read_model(next((place for place in places if place.is_dir()), path))
     return cameras, _read_model(path / "projectors") if (path / "projectors").is_dir() else {}

@@ -22,12 +22,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ._arguments import checked
+from ._call import PathLike
+from .errors import ErrorCode, FileFormatError
+
 _Shape = tuple[int, ...]
 _Tensor = tuple[str, _Shape, bytes]
 
 
-class _Failure(Exception):
-    """A fault, and the file that has it."""
+class _Failure(FileFormatError):
+    """A fault, and the file that has it, or its part: "PATH: TENSOR"."""
+
+    def __init__(self, text: str, where: object = "") -> None:
+        super().__init__(f"{text} ({where})" if where else text, ErrorCode.FILE, str(where))
 
 
 def _conv(name: str, out_channels: int, in_channels: int, kernel: int) -> list[tuple[str, _Shape]]:
@@ -113,11 +120,11 @@ def _load(path: Path) -> dict[str, Any]:
     try:
         state = torch.load(path, map_location="cpu", weights_only=True)
     except OSError as error:
-        raise _Failure(f"{error.strerror} ({path})") from None
+        raise _Failure(f"{error.strerror}", path) from None
     except Exception:  # torch names no common type for what a damaged file raises
-        raise _Failure(f"not a file of PyTorch weights ({path})") from None
+        raise _Failure("not a file of PyTorch weights", path) from None
     if not isinstance(state, dict):
-        raise _Failure(f"not a table of tensors ({path})")
+        raise _Failure("not a table of tensors", path)
     return state
 
 
@@ -144,9 +151,9 @@ def _recognise(state: dict[str, Any]) -> tuple[str, str] | None:
 def _take(state: dict[str, Any], path: Path, stored: str, name: str, shape: _Shape) -> _Tensor:
     """One tensor, as little-endian fp32."""
     if stored not in state:
-        raise _Failure(f"no such tensor ({path}: {stored})")
+        raise _Failure("no such tensor", f"{path}: {stored}")
     if not _has(state, stored, shape):
-        raise _Failure(f"shape {tuple(state[stored].shape)}, not {shape} ({path}: {stored})")
+        raise _Failure(f"shape {tuple(state[stored].shape)}, not {shape}", f"{path}: {stored}")
     values = array.array("f", state[stored].detach().float().flatten().tolist())
     if sys.byteorder == "big":
         values.byteswap()
@@ -172,7 +179,7 @@ def _write(path: Path, tensors: Sequence[_Tensor], metadata: dict[str, str]) -> 
         os.replace(temporary, path)
     except OSError as error:
         temporary.unlink(missing_ok=True)
-        raise _Failure(f"{error.strerror} ({path})") from None
+        raise _Failure(f"{error.strerror}", path) from None
 
 
 def found() -> list[Path]:
@@ -186,18 +193,20 @@ def found() -> list[Path]:
     return files
 
 
-def convert(files: Sequence[str | os.PathLike[str]], folder: str | os.PathLike[str]) -> list[Path]:
+@checked
+def convert(files: Sequence[PathLike], folder: PathLike) -> list[Path]:
     """Turns PyTorch files of any order and name into what ffprocams reads.
 
     Returns the files written into `folder`: of each network whose backbone is among `files`, with its heads if it is
     for LPIPS. Fails where a file is unknown, or where heads or backbone are missing for all.
+    Raises FileFormatError in these cases.
     """
     parts: dict[tuple[str, str], tuple[dict[str, Any], Path]] = {}
     for path in map(Path, files):
         state = _load(path)
         part = _recognise(state)
         if part is None:
-            raise _Failure(f"neither AlexNet, SqueezeNet 1.1, VGG16 nor LPIPS 0.1 heads of the first two ({path})")
+            raise _Failure("neither AlexNet, SqueezeNet 1.1, VGG16 nor LPIPS 0.1 heads of the first two", path)
         if part in parts:
             raise _Failure(f"{part[1]} of {part[0]} twice ({parts[part][1]}, {path})")
         parts[part] = state, path
@@ -219,6 +228,7 @@ def convert(files: Sequence[str | os.PathLike[str]], folder: str | os.PathLike[s
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
+    """The command. Raises SystemExit with the message of what convert raises."""
     parser = argparse.ArgumentParser(
         prog="python -m ffprocams.perceptual",
         description=__doc__,

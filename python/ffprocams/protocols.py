@@ -17,6 +17,7 @@ from typing import Callable
 import numpy as np
 import numpy.typing as npt
 
+from ._arguments import checked, expects
 from ._call import Call, Keep, PathLike
 from ._library import ffi, lib
 from ._pixels import Array, Floats, encode, picture_of
@@ -81,21 +82,31 @@ class Row:
     render_s: float
 
 
+def _pair(a: npt.ArrayLike, b: npt.ArrayLike) -> tuple[Array, Array]:
+    x, y = np.asarray(a, np.float64), np.asarray(b, np.float64)
+    expects(x.shape == y.shape, "b", f"shape {x.shape}", y.shape)
+    return x, y
+
+
+@checked
 def psnr(a: npt.ArrayLike, b: npt.ArrayLike, mask: Array | None = None) -> float:
     """Peak signal-to-noise ratio in dB of pictures in [0,1], over pixels where the mask [height,width] is above 0;
-    100 for identical pictures, NaN if there are no pixels."""
-    squares = (np.asarray(a, np.float64) - np.asarray(b, np.float64)) ** 2
+    100 for identical pictures, NaN if there are no pixels. Raises ArgumentError if their shapes differ."""
+    x, y = _pair(a, b)
+    squares = (x - y) ** 2
     if mask is not None:
-        squares = squares[mask > 0]
+        expects(np.shape(mask) == x.shape[:2], "mask", f"shape {x.shape[:2]}", np.shape(mask))
+        squares = squares[np.asarray(mask) > 0]
     if squares.size == 0:
         return float("nan")
     mean = float(squares.mean())
     return 100.0 if mean <= 1e-10 else -10 * float(np.log10(mean))
 
 
+@checked
 def ssim(a: npt.ArrayLike, b: npt.ArrayLike) -> float:
     """Structural similarity (Wang et al. 2004) of pictures [height,width,channels] in [0,1]: 11x11 Gaussian window,
-    sigma 1.5, zero padding at the borders."""
+    sigma 1.5, zero padding at the borders. Raises ArgumentError if their shapes differ."""
     taps = np.exp(-0.5 * ((np.arange(11) - 5) / 1.5) ** 2)
     taps /= taps.sum()
 
@@ -105,7 +116,7 @@ def ssim(a: npt.ArrayLike, b: npt.ArrayLike) -> float:
             x = sum(t * np.take(wide, range(i, i + x.shape[axis]), axis) for i, t in enumerate(taps))
         return x
 
-    x, y = np.asarray(a, np.float64), np.asarray(b, np.float64)
+    x, y = _pair(a, b)
     mean_x, mean_y = blur(x), blur(y)
     var_x, var_y, both = blur(x * x) - mean_x**2, blur(y * y) - mean_y**2, blur(x * y) - mean_x * mean_y
     c1, c2 = 0.01**2, 0.03**2
@@ -115,9 +126,11 @@ def ssim(a: npt.ArrayLike, b: npt.ArrayLike) -> float:
     return float(index.mean())
 
 
+@checked
 def lpips(a: Sequence[Array], b: Sequence[Array], weights: PathLike) -> Doubles:
     """[n] perceptual distances (Zhang et al. 2018, version 0.1) of n pairs of pictures [height,width,3] over black:
-    uint8 and uint16 sRGB-encoded, floats linear. ``weights``: safetensors as ``python -m ffprocams.perceptual`` writes."""
+    uint8 and uint16 sRGB-encoded, floats linear. ``weights``: safetensors as ``python -m ffprocams.perceptual`` writes.
+    Raises ArgumentError for other pictures, MissingFileError or FileFormatError for the file."""
     if len(a) != len(b):
         raise argument_error(f"{len(b)} pictures for {len(a)}", "b")
     keep, distances = Keep(), np.full(len(a), np.nan)
@@ -137,8 +150,10 @@ def _weights(perceptual: PathLike | None) -> PathLike | None:
     return perceptual if perceptual or not folder else Path(folder) / "lpips_alex.safetensors"
 
 
+@checked
 def shown(capture: Capture, pattern: str) -> Floats:
-    """[height,width,3] linear: the projected picture, also for black and white."""
+    """[height,width,3] linear: the projected picture, also for black and white.
+    Raises ArgumentError if there is no such pattern."""
     picture = capture.pattern(pattern)
     if picture is not None:
         return picture
@@ -146,8 +161,10 @@ def shown(capture: Capture, pattern: str) -> Floats:
     return np.full((projector.height, projector.width, 3), float(pattern == capture.white), np.float32)
 
 
+@checked
 def structured_pattern(capture: Capture) -> str:
-    """A reconstruction's default pattern: the first that every view has, not black, white or held out."""
+    """A reconstruction's default pattern: the first that every view has, not black, white or held out.
+    Raises ArgumentError if there is none."""
     for name in capture.pattern_names:
         if name in (capture.black, capture.white, *capture.held_out):
             continue
@@ -156,8 +173,10 @@ def structured_pattern(capture: Capture) -> str:
     raise argument_error("no structured-light pattern that every view has", "capture")
 
 
+@checked
 def inputs_of(capture: Capture, pattern: str | None = None, name: str = "capture") -> Inputs:
-    """The part of a capture that a method may use. ``pattern``: of the structured light; None: structured_pattern."""
+    """The part of a capture that a method may use. ``pattern``: of the structured light; None: structured_pattern.
+    Raises ArgumentError if a view has no photograph under it, black or white."""
     pattern = structured_pattern(capture) if pattern is None else pattern
 
     def under(which: str) -> list[Floats]:
@@ -231,6 +250,7 @@ def _score(
     )
 
 
+@checked
 def run(
     captures: PathLike | Sequence[PathLike],
     methods: Mapping[str, Callable[[Inputs], Predictor]],
@@ -249,6 +269,10 @@ def run(
         pattern: name of the structured-light pattern; None: the first that every view has.
         perceptual: safetensors with LPIPS weights; None: lpips_alex.safetensors in the folder that the environment
             variable FFPROCAMS_PERCEPTUAL names; without either there is no LPIPS.
+
+    Raises:
+        ArgumentError: an argument is wrong, or a method predicts anything but a picture.
+        Error: a file cannot be read; its subclass says why.
     """
     rows: list[Row] = []
     weights = _weights(perceptual)
@@ -276,8 +300,10 @@ def run(
     return rows
 
 
+@checked
 def table(rows: Sequence[Row]) -> str:
-    """The rows as a readable table; with a column of LPIPS where there are weights for it."""
+    """The rows as a readable table; with a column of LPIPS where there are weights for it.
+    Raises ArgumentError for anything but rows."""
     perceived = any(np.isfinite(r.lpips) for r in rows)
     lines = [
         f"{'capture':16} {'protocol':14} {'method':20} {'PSNR':>6} {'object':>6} {'SSIM':>7}"

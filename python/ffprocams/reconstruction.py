@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Union
 
+from ._arguments import Seed, checked, expects
 from ._call import Call, Keep, PathLike, ProgressOption, holding, some
 from ._library import ffi, lib
 from .capture import Capture, capture_of, record
-from .errors import argument_error
 from .gaussians import Gaussians, Model, drawing_of, gaussians_of
 
 #: Weights: a Model, a path, None for the shipped ones, or "none" for the classical initialisation alone.
@@ -34,6 +34,10 @@ class ReconstructionStats:
     least_psnr: float  #: that of the view with the least
     least_view: str
     score_s: float  #: comparing with the photographs
+    unseen: int  #: patterns that the capture holds out, by which it is judged; at most 2
+    unseen_psnr: float  #: dB on their photographs, which no fit has looked at; NaN: there are none
+    lit_psnr: float  #: of `psnr`, over the pixels of the object that white lights
+    unseen_lit_psnr: float  #: of `unseen_psnr`, the same
 
 
 @dataclass
@@ -70,11 +74,11 @@ def model_of(model: ModelOption) -> Model | None:
 def _automatic(value: float | None, least: float, what: str) -> float:
     if value is None:
         return -1
-    if not value >= least:
-        raise argument_error(f"{value} is below {least:g}", what)
+    expects(value >= least, what, f"at least {least:g}", value)
     return value
 
 
+@checked
 def reconstruct(
     capture: Capture | PathLike,
     model: ModelOption = None,
@@ -86,6 +90,7 @@ def reconstruct(
     form: str = "ours",
     samples: int = 0,
     force: bool = False,
+    width: int = 0,
     progress: ProgressOption = None,
     threads: int = 0,
     device: str = "cpu",
@@ -109,12 +114,20 @@ def reconstruct(
         samples: per side of a pixel while fitting, 1 to 4; 0: the model's setting.
         force: continue although a view's photographs contradict the others or its devices (turned, mirrored, exchanged,
             black for white); otherwise that is an error, which names the view.
+        width: a draft: pixels to which wider pictures are reduced first; the scores are those on the capture's own. 0: none
+            are.
         progress: see ffprocams.ProgressOption.
         threads: number of threads; 0: all processors.
         device: "cpu" or "cuda".
 
     Returns:
         Gaussians in the capture's world units, with ``stats``.
+
+    Raises:
+        ArgumentError: an argument is wrong, or names a pattern that the capture lacks.
+        FaultError: the capture has a fault, and ``force`` is not given.
+        UnsupportedError: the library was built without that device.
+        Error: a file cannot be read; its subclass says why.
     """
     capture, keep, weights = capture_of(capture), Keep(), model_of(model)
     options, stats = (
@@ -126,7 +139,7 @@ def reconstruct(
     options.patterns, options.n_patterns = keep.texts(names), len(names)
     options.polish = int(_automatic(polish, 0, "polish"))
     options.noise, options.layers = _automatic(noise, 0, "noise"), _automatic(layers, 0, "layers")
-    options.drawing, options.force = drawing_of(form, samples), force
+    options.drawing, options.force, options.width = drawing_of(form, samples), force, width
     with holding(capture, weights), Call(progress, threads, device) as call:
         made = lib.ffp_reconstruct(call.context, capture._pointer, options, stats, call.error)
         out = Reconstructed(call.take(made, lib.ffp_gaussians_close))
@@ -135,7 +148,7 @@ def reconstruct(
 
 
 def _refinement(
-    patterns: str | Sequence[str], steps: int, seconds: float, noise: float | None, seed: int,
+    patterns: str | Sequence[str], steps: int, seconds: float, noise: float | None, seed: Seed,
     metrics: PathLike | None, drawing: dict[str, int], keep: Keep,
 ) -> Any:  # fmt: skip
     options = ffi.new("FfpRefinement *", lib.ffp_refinement_defaults())
@@ -147,6 +160,7 @@ def _refinement(
     return options
 
 
+@checked
 def refine(
     gaussians: Gaussians | PathLike,
     capture: Capture | PathLike,
@@ -155,7 +169,7 @@ def refine(
     steps: int = 0,
     seconds: float = 0,
     noise: float | None = None,
-    seed: int = 1,
+    seed: Seed = 1,
     metrics: PathLike | None = None,
     form: str = "ours",
     samples: int = 0,
@@ -178,6 +192,11 @@ def refine(
         form, samples, force, threads, device: as in reconstruct.
         progress: see ffprocams.ProgressOption. A function that returns False ends the fit, which then returns the best
             state so far; an exception, including Ctrl-C, is raised, and nothing is returned.
+
+    Raises:
+        ArgumentError: an argument is wrong, or names a pattern that the capture lacks.
+        FaultError: the capture has a fault, and ``force`` is not given.
+        Error: a file cannot be read or written; its subclass says why.
     """
     capture, keep, stats = capture_of(capture), Keep(), ffi.new("FfpRefinementStats *")
     options = _refinement(patterns, steps, seconds, noise, seed, metrics, drawing_of(form, samples), keep)
@@ -191,6 +210,7 @@ def refine(
     return out
 
 
+@checked
 def fit_from_scratch(
     capture: Capture | PathLike,
     *,
@@ -199,7 +219,7 @@ def fit_from_scratch(
     steps: int = 0,
     seconds: float = 0,
     noise: float | None = None,
-    seed: int = 1,
+    seed: Seed = 1,
     metrics: PathLike | None = None,
     form: str = "ours",
     samples: int = 0,
@@ -209,7 +229,7 @@ def fit_from_scratch(
 ) -> Refined:
     """Fits Gaussians without a prediction, as GS-ProCams does; for comparison, since it takes far longer. It begins
     with the centres of `points`, or with points in the visual hull. Other arguments as for refine; with neither limit:
-    20000 steps."""
+    20000 steps. Raises what refine raises."""
     capture, keep, stats = capture_of(capture), Keep(), ffi.new("FfpRefinementStats *")
     options = _refinement(patterns, steps, seconds, noise, seed, metrics, drawing_of(form, samples), keep)
     begin = None if points is None else gaussians_of(points)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import devices
+from ._arguments import checked, expects, one_of
 from ._call import Call, Handle, Keep, PathLike, holding
 from ._library import ffi, lib
 from ._pixels import Array, Floats, picture_of
@@ -34,6 +35,7 @@ def _dtype(dtype: npt.DTypeLike | None, linear: bool) -> npt.DTypeLike:
     return dtype
 
 
+@checked
 class Renderer(Handle):
     """One view of Gaussians, rasterised once (aim) and shaded under any number of patterns (shade)."""
 
@@ -54,7 +56,7 @@ class Renderer(Handle):
 
     def aim(self, gaussians: Gaussians | PathLike, camera: Pinhole, projector: Pinhole) -> Renderer:
         """Rasterises for a camera and maps the visible surface to a projector. Each side may have 1 to 16384 pixels.
-        The Gaussians are not accessed afterwards. Returns itself."""
+        The Gaussians are not accessed afterwards. Returns itself. Raises ArgumentError for another size or type."""
         gaussians = gaussians_of(gaussians)
         with holding(self, gaussians), self._call as call:
             self._size = None
@@ -98,9 +100,12 @@ class Renderer(Handle):
 
         Returns:
             [height,width,3] sRGB-encoded: uint8, or float32 in [0,1]; or float32 of linear radiance.
+
+        Raises:
+            ArgumentError: an argument is wrong, or nothing has been aimed at.
         """
         with holding(self):
-            return self._shade(pattern, three(intensity), self._out(out, dtype, linear), linear)
+            return self._shade(pattern, three(intensity, "intensity"), self._out(out, dtype, linear), linear)
 
     def shade_many(
         self,
@@ -110,8 +115,8 @@ class Renderer(Handle):
         dtype: npt.DTypeLike | None = None,
         linear: bool = False,
     ) -> Array:
-        """The pictures under n patterns, [n,height,width,3]; arguments as for shade."""
-        light = three(intensity)
+        """The pictures under n patterns, [n,height,width,3]; arguments as for shade. Raises what that raises."""
+        light = three(intensity, "intensity")
         with holding(self):
             out = np.empty((len(patterns), *self._aimed(), 3), _dtype(dtype, linear))
             for picture, pattern in zip(out, patterns):
@@ -122,6 +127,7 @@ class Renderer(Handle):
         shape = (*self._aimed(), 3)
         if out is None:
             out = np.empty(shape, _dtype(dtype, linear))
+        expects(isinstance(out, np.ndarray), "out", "an array", out)
         if linear and out.dtype != np.float32:
             raise argument_error(f"linear radiance is float32, not {out.dtype}", "out")
         if out.dtype not in (np.uint8, np.float32):
@@ -163,17 +169,17 @@ class Renderer(Handle):
         world units, 0 where the opacity is below one half; "normal" [height,width,3] world, unit length, 0 off the
         object; "albedo" [height,width,3] linear; "roughness" [height,width]; "ambient" [height,width,3] linear
         radiance, premultiplied by opacity; "distortion" [height,width], how far apart the splats at a pixel are along its
-        ray: sum_ij W_i W_j |z_i - z_j| of their weights and depths, world units (FF-ProCams, Eq. 22)."""
-        if name not in _MAPS:
-            raise argument_error(f"'{name}' is not one of {', '.join(_MAPS)}", "map")
+        ray: sum_ij W_i W_j |z_i - z_j| of their weights and depths, world units (FF-ProCams, Eq. 22).
+        Raises ArgumentError for another name, or if nothing has been aimed at."""
+        which = one_of(_MAPS, name, "name")
         with holding(self):
-            channels = lib.ffp_map_channels(_MAPS[name])
+            channels = lib.ffp_map_channels(which)
             out = np.empty((*self._aimed(), channels) if channels > 1 else self._aimed(), np.float32)
             memory: Any = ffi.cast("float *", out.__array_interface__["data"][0])
             with self._call as call:
                 call.check(
                     lib.ffp_renderer_map(
-                        call.context, self._pointer, _MAPS[name], memory, out.size, call.error
+                        call.context, self._pointer, which, memory, out.size, call.error
                     )
                 )
         return out

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ._arguments import checked, one_of
 from ._call import Call, Keep, PathLike, ProgressOption, some
 from ._library import ffi, lib
 from .capture import record
-from .errors import argument_error
 
 _TERMS = {
     "k1": lib.FFP_FIX_K1,
@@ -21,6 +21,7 @@ _TERMS = {
 }
 
 
+@checked
 def write_patterns(
     folder: PathLike,
     width: int,
@@ -30,6 +31,7 @@ def write_patterns(
     focus: bool = True,
     capture: bool = True,
     gray_codes: bool = True,
+    greys: int = 0,
 ) -> list[Path]:
     """Writes the patterns that a projector shows while a rig is photographed, instructions as text, and a page that
     shows the patterns.
@@ -41,13 +43,19 @@ def write_patterns(
         focus: a chart for focusing and for placing the object.
         capture: black, white and the lollipops.
         gray_codes: of columns and rows, each with its inverse.
+        greys: number of even greys between black and white, which tell the projector's response, 0 to 64.
 
     Returns:
         The pictures in display order.
+
+    Raises:
+        ArgumentError: an argument is wrong.
+        FileFormatError: the folder is not empty.
     """
     keep, options = Keep(), ffi.new("FfpPatterns *", lib.ffp_patterns_defaults())
     options.folder, options.width, options.height = keep.path(folder), width, height
     options.focus, options.capture, options.gray_codes = focus, capture, gray_codes
+    options.greys = greys
     if lollipops is not None:
         options.lollipops = lollipops
     with Call() as call:
@@ -79,6 +87,7 @@ class RigCalibrationStats:
     shift: float = 0.0  #: standard deviation, in the unit of ``square``
 
 
+@checked
 def calibrate_rig(
     file: PathLike | None,
     attitudes: PathLike | Sequence[PathLike] = (),
@@ -95,6 +104,7 @@ def calibrate_rig(
     turntable_file: PathLike | None = None,
     calibrations: PathLike | Sequence[PathLike] = (),
     seen: PathLike | None = None,
+    linear: bool = False,
     progress: ProgressOption = None,
     threads: int = 0,
 ) -> RigCalibrationStats:
@@ -116,6 +126,7 @@ def calibrate_rig(
         calibrations: without attitudes: files that contain the camera's calibration.
         seen: JSON file for where the board is in photographs (docs/reference/formats/calibrations.md, "Where a board is");
             ``attitudes`` are photographs of the board then, ``file`` is None, and nothing is calibrated.
+        linear: PNG and JPEG files of photographs hold linear light instead of sRGB.
         progress: see ffprocams.ProgressOption.
         threads: number of threads; 0: all processors.
 
@@ -136,6 +147,7 @@ def calibrate_rig(
         _terms(fix_projector, "fix_projector"),
     )
     options.file, options.report, options.seen = keep.path(file), keep.path(report), keep.path(seen)
+    options.linear = linear
     options.turntable_board, options.turntable_file = keep.path(turntable_board), keep.path(turntable_file)
     options.angles, options.n_angles = keep(ffi.new("double[]", [float(a) for a in angles])), len(angles)
     stats = ffi.new("FfpRigCalibrationStats *")
@@ -146,12 +158,10 @@ def calibrate_rig(
 
 
 def _terms(names: Sequence[str], what: str) -> int:
-    for name in names:
-        if name not in _TERMS:
-            raise argument_error(f"'{name}' is not one of {', '.join(_TERMS)}", what)
-    return sum(_TERMS[name] for name in set(names))
+    return sum(one_of(_TERMS, name, what) for name in set(names))
 
 
+@checked
 def train(
     out: PathLike,
     *,
@@ -185,6 +195,10 @@ def train(
 
     Returns:
         The file of the weights.
+
+    Raises:
+        ArgumentError: an argument is wrong.
+        Error: a file cannot be read or written; its subclass says why.
     """
     keep, options = Keep(), ffi.new("FfpTraining *", lib.ffp_training_defaults())
     options.out, options.captures, options.config = keep.path(out), keep.path(captures), keep.path(config)

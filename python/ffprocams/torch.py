@@ -22,6 +22,7 @@ from typing import Any, ClassVar, Union
 import torch
 from torch import Tensor
 
+from ._arguments import checked, expects, one_of
 from ._call import Call, Handle, Keep, PathLike, holding
 from ._library import ffi, lib
 from .devices import Pinhole
@@ -36,8 +37,10 @@ __all__ = [
 ]  # fmt: skip
 
 _ROUGHNESS_FLOOR, _SIGMOID_LEAST = 0.05, 1e-4  # as in the library's own fits
+_PARTS = len(Parts._fields)
 
 
+@checked
 @dataclass
 class Devices:
     """Cameras or projectors of one size whose poses and focal lengths are tensors, for gradients with respect to them.
@@ -53,7 +56,7 @@ class Devices:
 
     @classmethod
     def of(cls, pinholes: Sequence[Pinhole]) -> Devices:
-        """Cameras or projectors of one size."""
+        """Cameras or projectors of one size. Raises ArgumentError for none, or several sizes."""
         if not pinholes:
             raise argument_error("there are none", "devices")
         first = pinholes[0]
@@ -75,8 +78,10 @@ class Devices:
 AnyDevices = Union[Devices, Sequence[Pinhole], Pinhole]
 
 
+@checked
 def se3_exp(xi: Tensor) -> Tensor:
-    """[...,4,4] rigid motions exp(xi) of [...,6] numbers: translation, then rotation in radians."""
+    """[...,4,4] rigid motions exp(xi) of [...,6] numbers: translation, then rotation in radians.
+    Raises ArgumentError unless given a tensor."""
     rho, x, y, z = xi[..., :3], xi[..., 3], xi[..., 4], xi[..., 5]
     none = torch.zeros_like(x)
     rows = [torch.stack(row, -1) for row in ((none, -z, y), (z, none, -x), (-y, x, none))]
@@ -126,8 +131,7 @@ class _Lease:
 
 
 def _floats(tensor: Tensor, name: str, shape: tuple[int, ...]) -> Tensor:
-    if not isinstance(tensor, Tensor):
-        raise argument_error(f"expected a tensor, not {type(tensor).__name__}", name)
+    expects(isinstance(tensor, Tensor), name, "a Tensor", tensor)
     if tensor.device.type != "cpu":
         raise argument_error(f"expected a tensor on the CPU, not on {tensor.device}", name)
     if tensor.dtype != torch.float32:
@@ -242,14 +246,14 @@ def _pose_gradient(xi: Tensor, pose: Tensor) -> Tensor:
 
 
 class _Render(torch.autograd.Function):
-    """7 attributes, intensity, pose and focal lengths of cameras and of projectors, then the patterns that are not dark."""
+    """The attributes, intensity, pose and focal lengths of cameras and of projectors, then the patterns that are not dark."""
 
     @staticmethod
     def forward(ctx: Any, job: _Job, *given: Tensor) -> Any:
         ctx.job = job
         ctx.set_materialize_grads(False)
         ctx.save_for_backward(*given)
-        return tuple(_draw(job, given[:7], given[7], given[8:12], given[12:]))
+        return tuple(_draw(job, given[:_PARTS], given[_PARTS], given[_PARTS + 1 : _PARTS + 5], given[_PARTS + 5 :]))
 
     @staticmethod
     def backward(ctx: Any, *grads: Tensor | None) -> Any:
@@ -258,14 +262,14 @@ class _Render(torch.autograd.Function):
         given, job = ctx.saved_tensors, ctx.job
         wanted = ctx.needs_input_grad[1:]
         grads = tuple(g if g is None else g.contiguous() for g in grads)
-        views, canvas, projectors = len(given[8]), job.lease.canvas, job.projectors
-        parts = [torch.empty_like(t) if want else None for t, want in zip(given[:7], wanted)]
+        views, canvas, projectors = len(given[_PARTS + 1]), job.lease.canvas, job.projectors
+        parts = [torch.empty_like(t) if want else None for t, want in zip(given[:_PARTS], wanted)]
         numbers = [
             torch.empty(3 if i == 0 else views * (6 if i % 2 else 2), dtype=torch.float64) if want else None
-            for i, want in enumerate(wanted[7:12])
+            for i, want in enumerate(wanted[_PARTS : _PARTS + 5])
         ]
         patterns = (
-            torch.empty(len(job.dark), projectors.height, projectors.width, 3) if any(wanted[12:]) else None
+            torch.empty(len(job.dark), projectors.height, projectors.width, 3) if any(wanted[_PARTS + 5 :]) else None
         )
         out = ffi.new("FfpRenderGradients *")
         out.gaussians, out.patterns = _arrays(parts), _at(patterns)
@@ -290,11 +294,11 @@ class _Render(torch.autograd.Function):
         rest: list[Any] = [numbers[0]]
         for i in (1, 3):
             pose, focal = numbers[i], numbers[i + 1]
-            rest.append(None if pose is None else _pose_gradient(pose.view(-1, 6), given[7 + i]))
+            rest.append(None if pose is None else _pose_gradient(pose.view(-1, 6), given[_PARTS + i]))
             rest.append(None if focal is None else focal.view(-1, 2))
         lit = [p for p, dark in enumerate(job.dark) if not dark]
-        shown = [patterns[p] if patterns is not None and want else None for p, want in zip(lit, wanted[12:])]
-        rest = [g if g is None else g.to(t.dtype) for g, t in zip(rest, given[7:12])]
+        shown = [patterns[p] if patterns is not None and want else None for p, want in zip(lit, wanted[_PARTS + 5 :])]
+        rest = [g if g is None else g.to(t.dtype) for g, t in zip(rest, given[_PARTS : _PARTS + 5])]
         return (None, *parts, *rest, *shown)
 
 
@@ -310,6 +314,7 @@ def _devices_of(given: AnyDevices, name: str) -> Devices:
     return d
 
 
+@checked
 def render(
     gaussians: Parts | Gaussians,
     cameras: AnyDevices,
@@ -341,17 +346,20 @@ def render(
 
     Constants of the backward pass are shadows, the size of a pixel's footprint in the pattern, and which splats a pixel
     sees in which order. Tensors that are written to between the forward and the backward pass raise an error.
+
+    Raises:
+        ArgumentError: an argument is wrong; the error names the tensor.
     """
     parts = Parts.of(gaussians) if isinstance(gaussians, Gaussians) else gaussians
     seen, lit = _devices_of(cameras, "cameras"), _devices_of(projectors, "projectors")
     if len(seen.pose) != len(lit.pose):
         raise argument_error(f"{len(seen.pose)} cameras but {len(lit.pose)} projectors", "cameras")
     for name in maps:
-        if name not in _MAPS:
-            raise argument_error(f"'{name}' is not one of {', '.join(_MAPS)}", "maps")
+        one_of(_MAPS, name, "maps")
     count = len(parts.centre)
-    widths = ((3,), (3,), (4,), (), (3,), (), (3,))
-    arrays = [_floats(t, name, (count, *w)) for t, name, w in zip(parts, Parts._fields, widths)]
+    scattered = torch.zeros(count, 3) if parts.scattered is None else parts.scattered
+    widths = ((3,), (3,), (4,), (), (3,), (), (3,), (3,))
+    arrays = [_floats(t, name, (count, *w)) for t, name, w in zip((*parts[:7], scattered), Parts._fields, widths)]
     shape = (lit.height, lit.width, 3)
     shown = [_floats(p, f"patterns[{i}]", shape) for i, p in enumerate(patterns) if p is not None]
     light = (
@@ -384,9 +392,10 @@ def _matrices(q: Tensor) -> Tensor:
     return torch.stack(rows, 1).view(-1, 3, 3)
 
 
+@checked
 class Splats(torch.nn.Module):
     """Gaussians whose parameters are unbounded numbers, those of the library's own fits: logarithms of the scales, logits
-    of opacity, albedo, ambient colour and roughness (from 0.05), quaternions, and the displacement of each centre from its
+    of opacity, albedo, ambient colour and roughness (from 0.05), roots of scattered light, quaternions, and the displacement of each centre from its
     start in the splat's own frame, in units of its largest scale. Called without arguments it gives Parts for render."""
 
     def __init__(self, gaussians: Gaussians | Parts) -> None:
@@ -394,7 +403,7 @@ class Splats(torch.nn.Module):
         start = (
             Parts.of(gaussians)
             if isinstance(gaussians, Gaussians)
-            else Parts(*(t.detach() for t in gaussians))
+            else Parts(*(t.detach() for t in gaussians if t is not None))
         )
         frame = torch.nn.functional.normalize(start.rotation, dim=1)
         self.origin: Tensor
@@ -410,6 +419,8 @@ class Splats(torch.nn.Module):
             _logit((start.roughness - _ROUGHNESS_FLOOR) / (1 - _ROUGHNESS_FLOOR))
         )
         self.ambient = torch.nn.Parameter(_logit(start.ambient))
+        scattered = torch.zeros_like(start.ambient) if start.scattered is None else start.scattered
+        self.scattered = torch.nn.Parameter(scattered.clamp_min(0).sqrt())  # 0 stays 0
 
     def forward(self) -> Parts:
         return Parts(
@@ -420,12 +431,14 @@ class Splats(torch.nn.Module):
             self.albedo.sigmoid(),
             _ROUGHNESS_FLOOR + (1 - _ROUGHNESS_FLOOR) * self.roughness.sigmoid(),
             self.ambient.sigmoid(),
+            self.scattered.square(),
         )
 
     def rates(self, factor: float = 1.0) -> list[dict[str, Any]]:
-        """Parameter groups for torch.optim.Adam with the learning rates of ffprocams.refine times ``factor``."""
+        """Parameter groups for torch.optim.Adam with the learning rates of ffprocams.refine times ``factor``.
+        Raises ArgumentError if that is not a number."""
         rates = {"centre": 0.02, "scale": 0.01, "rotation": 0.005, "opacity": 0.02, "albedo": 0.02,
-                 "roughness": 0.0025, "ambient": 0.02}  # fmt: skip
+                 "roughness": 0.0025, "ambient": 0.02, "scattered": 0.002}  # fmt: skip
         return [{"params": [getattr(self, name)], "lr": factor * rate} for name, rate in rates.items()]
 
     def gaussians(self) -> Gaussians:
@@ -434,6 +447,7 @@ class Splats(torch.nn.Module):
             return Gaussians.from_arrays(*(t.numpy() for t in self()))
 
 
+@checked
 class SplatAdam(torch.optim.Adam):
     """Adam as ffprocams.refine takes its steps: rates that fall to a tenth, numbers that are drawn back towards their start
     after each step (``pull`` of 1), and a number that all roughness logits share, because a highlight is in few pixels.
@@ -447,12 +461,12 @@ class SplatAdam(torch.optim.Adam):
         "albedo": 0.4,
         "roughness": 2,
         "ambient": 0.4,
+        "scattered": 0.4,
     }
 
     def __init__(self, splats: Splats, steps: int, pull: float = 1.0) -> None:
         """steps: how many step() will be called."""
-        if not steps > 0:
-            raise argument_error(f"{steps} is below 1", "steps")
+        expects(steps > 0, "steps", "at least 1", steps)
         self._splats, self._steps, self._taken, self._pull = splats, steps, 0, pull
         self._shared = torch.nn.Parameter(torch.zeros(()))
         groups = [*splats.rates(), {"params": [self._shared], "lr": 0.05}]
@@ -462,7 +476,7 @@ class SplatAdam(torch.optim.Adam):
 
     @torch.no_grad()
     def step(self, closure: Any = None) -> Any:
-        """One step; closure as for torch.optim.Adam."""
+        """One step; closure as for torch.optim.Adam. Raises what that raises."""
         for group, rate in zip(self.param_groups, self._rates):
             group["lr"] = rate * 0.1 ** min(self._taken / self._steps, 1)
         self._taken += 1
@@ -480,20 +494,24 @@ class SplatAdam(torch.optim.Adam):
 # --- Losses, on encoded pictures [...,height,width,3] in [0,1] and on maps. ---
 
 
+@checked
 def encode(linear: Tensor) -> Tensor:
-    """Linear light in [0,1] as sRGB-encoded values in [0,1] (IEC 61966-2-1); values outside are clipped."""
+    """Linear light in [0,1] as sRGB-encoded values in [0,1] (IEC 61966-2-1); values outside are clipped.
+    Raises ArgumentError unless given tensors."""
     x = linear.clamp(0, 1)
     return torch.where(x <= 0.0031308, 12.92 * x, 1.055 * x.clamp_min(0.0031308) ** (1 / 2.4) - 0.055)
 
 
+@checked
 def decode(encoded: Tensor) -> Tensor:
-    """sRGB-encoded values in [0,1] as linear light in [0,1]."""
+    """sRGB-encoded values in [0,1] as linear light in [0,1]. Raises ArgumentError unless given tensors."""
     x = encoded.clamp(0, 1)
     return torch.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
 
 
+@checked
 def psnr(picture: Tensor, target: Tensor) -> Tensor:
-    """dB, over all pixels and channels."""
+    """dB, over all pixels and channels. Raises ArgumentError unless given tensors."""
     return -10 * torch.log10((picture - target).square().mean())
 
 
@@ -546,55 +564,69 @@ def _picture_loss(
     return _PictureLoss.apply(picture, target.detach(), l1, ssim, perceptual, network)  # type: ignore[no-any-return, no-untyped-call]
 
 
+@checked
 def l1_loss(picture: Tensor, target: Tensor) -> Tensor:
-    """Mean absolute difference of pictures [...,height,width,3] (FF-ProCams, Eq. 18). The target is a constant."""
+    """Mean absolute difference of pictures [...,height,width,3] (FF-ProCams, Eq. 18). The target is a constant.
+    Raises ArgumentError for other tensors than float32 of one shape."""
     return _picture_loss(picture, target, 1, 0)
 
 
+@checked
 def ssim(picture: Tensor, target: Tensor) -> Tensor:
     """Mean structural similarity (Wang et al. 2004): 11 x 11 Gaussian, sigma 1.5, zero padding. The target is a
-    constant."""
+    constant. Raises ArgumentError for other tensors than float32 of one shape."""
     return 1 - _picture_loss(picture, target, 0, 1)
 
 
+@checked
 def photometric_loss(picture: Tensor, target: Tensor) -> Tensor:
-    """0.8 L1 + 0.2 (1 - SSIM), as the paper and the library's fits have it. The target is a constant."""
+    """0.8 L1 + 0.2 (1 - SSIM), as the paper and the library's fits have it. The target is a constant.
+    Raises ArgumentError for other tensors than float32 of one shape."""
     return _picture_loss(picture, target, 0.8, 0.2)
 
 
+@checked
 class Perceptual(Handle):
     """Weights of the perceptual term: safetensors that ``python -m ffprocams.perceptual`` writes,
     LPIPS with AlexNet or SqueezeNet or VGG16 up to relu2_2."""
 
     @classmethod
     def open(cls, path: PathLike) -> Perceptual:
+        """From safetensors. Raises MissingFileError or FileFormatError for a file that is missing or damaged."""
         keep = Keep()
         with Call() as call:
             made = lib.ffp_perceptual_open(call.context, keep.path(path), ffi.NULL, call.error)
             return cls(call.take(made, lib.ffp_perceptual_close))
 
 
+@checked
 def perceptual_loss(picture: Tensor, target: Tensor, network: Perceptual) -> Tensor:
     """Mean distance that the network finds between sRGB-encoded pictures [...,height,width,3]: LPIPS, or with VGG16 the
-    squared distance of features at relu1_2 and relu2_2. The target is a constant."""
+    squared distance of features at relu1_2 and relu2_2. The target is a constant.
+    Raises ArgumentError for other tensors than float32 of one shape."""
     return _picture_loss(picture, target, 0, 0, 1, network)
 
 
+@checked
 def mask_loss(opacity: Tensor, mask: Tensor) -> Tensor:
-    """Mean binary cross-entropy of the opacity map against the object's share of each pixel (FF-ProCams, Eq. 20)."""
+    """Mean binary cross-entropy of the opacity map against the object's share of each pixel (FF-ProCams, Eq. 20).
+    Raises ArgumentError unless given tensors."""
     o = opacity.clamp(1e-6, 1 - 1e-6)
     return -(mask * o.log() + (1 - mask) * (1 - o).log()).mean()
 
 
+@checked
 def depth_loss(depth: Tensor, truth: Tensor) -> Tensor:
-    """Mean squared error of the depth map over pixels where both have a surface (0: none)."""
+    """Mean squared error of the depth map over pixels where both have a surface (0: none).
+    Raises ArgumentError unless given tensors."""
     both = (truth > 0) & (depth > 0)
     return (depth - truth)[both].square().mean() if bool(both.any()) else depth.sum() * 0
 
 
+@checked
 def distortion_loss(distortion: Tensor) -> Tensor:
     """Mean of the distortion map (FF-ProCams, Eq. 22), in the world's unit of length: it pulls the splats at a pixel
-    together along the ray."""
+    together along the ray. Raises ArgumentError unless given a tensor."""
     return distortion.mean()
 
 
@@ -604,16 +636,19 @@ def _neighbours(values: Tensor, mask: Tensor) -> Iterator[tuple[Tensor, Tensor]]
     yield values[..., 1:, :] - values[..., :-1, :], (mask[..., 1:] > 0.5) & (mask[..., :-1] > 0.5)
 
 
+@checked
 def normal_smooth_loss(normal: Tensor, mask: Tensor) -> Tensor:
-    """Mean |grad N|_1 of the normal map between neighbouring foreground pixels (FF-ProCams, Eq. 23)."""
+    """Mean |grad N|_1 of the normal map between neighbouring foreground pixels (FF-ProCams, Eq. 23).
+    Raises ArgumentError unless given tensors."""
     there = mask * (normal.abs().sum(-1) > 0)
     pairs = [(step.abs().sum(-1) * both, both.sum()) for step, both in _neighbours(normal, there)]
     return sum(total.sum() for total, _ in pairs) / sum(n for _, n in pairs).clamp_min(1)  # type: ignore[return-value, union-attr]
 
 
+@checked
 def roughness_smooth_loss(roughness: Tensor, albedo: Tensor, mask: Tensor) -> Tensor:
     """Mean |grad R|_1 exp(-|grad A|_1) between neighbouring foreground pixels (FF-ProCams, Eq. 24); the albedo map is a
-    constant."""
+    constant. Raises ArgumentError unless given tensors."""
     steps = list(_neighbours(roughness.unsqueeze(-1), mask))
     trust = [torch.exp(-step.abs().sum(-1)) for step, _ in _neighbours(albedo.detach(), mask)]
     total = sum((step.abs().sum(-1) * t * both).sum() for (step, both), t in zip(steps, trust))

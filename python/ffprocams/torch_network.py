@@ -16,6 +16,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
+from ._arguments import checked
 from ._call import Call, Keep, PathLike, ProgressOption, holding, some
 from ._library import ffi, lib
 from ._pixels import floats_at
@@ -31,6 +32,7 @@ _LOG_SCALES, _PLAIN_LOG_SCALES = (-4.0, 2.7725887), (-8.0, 2.0794415)
 _BASE = (3, 3, 1, 1, 1, 1, 1, 4, 3, 3)
 
 
+@checked
 class Parts(NamedTuple):
     """The numbers of Gaussians, as ffprocams.Gaussians has them. Rotations may have any length other than 0."""
 
@@ -41,13 +43,15 @@ class Parts(NamedTuple):
     albedo: Tensor  #: [count,3] linear
     roughness: Tensor  #: [count] in [0,1]
     ambient: Tensor  #: [count,3] linear radiance with the projector black
+    scattered: Tensor | None = None  #: [count,3] linear radiance that white adds in other ways; None: none
 
     @classmethod
     def of(cls, gaussians: Gaussians) -> Parts:
-        """Copies of the arrays."""
+        """Copies of the arrays. Raises ArgumentError for anything but Gaussians."""
         return cls(*(torch.from_numpy(array.copy()) for array in gaussians.arrays().values()))
 
 
+@checked
 @dataclass
 class Prepared:
     """The network's inputs from a capture, as tensors: noise filtered, matched, with the classical initialisation. It
@@ -78,7 +82,7 @@ class Prepared:
         progress: ProgressOption = None,
         threads: int = 0,
     ) -> Prepared:
-        """Arguments as for ffprocams.reconstruct."""
+        """Arguments as for ffprocams.reconstruct. Raises what that raises."""
         capture, keep = capture_of(capture), Keep()
         weights = model if isinstance(model, Model) else Model.open(model)
         options = ffi.new("FfpReconstruction *", lib.ffp_reconstruction_defaults())
@@ -120,7 +124,7 @@ class Prepared:
 
     def look(self, raw: Tensor) -> Tensor:
         """[count,seen_width]: errors of the input views drawn with the Gaussians of these raw numbers, as each Gaussian sees
-        them. No gradient passes through it."""
+        them. No gradient passes through it. Raises ArgumentError unless given a tensor."""
         numbers = np.ascontiguousarray(raw.detach().cpu().numpy(), np.float32)
         seen = np.empty((len(self), self.seen_width), np.float32)
         with Call() as call:
@@ -214,6 +218,7 @@ class _Form(NamedTuple):
         return cls(ffi.string(form.modules).decode(), *(getattr(form, name) for name in cls._fields[1:]))
 
 
+@checked
 class Network(torch.nn.Module):
     """The hybrid of Mamba2 and Transformer blocks, from a Prepared to Parts in world units.
 
@@ -235,7 +240,8 @@ class Network(torch.nn.Module):
             )
 
     def at(self, *names: object) -> torch.nn.Parameter:
-        """The weight of that name: ``at("blocks", 0, "norm")`` or ``at("blocks.0.norm")``."""
+        """The weight of that name: ``at("blocks", 0, "norm")`` or ``at("blocks.0.norm")``.
+        Raises AttributeError if there is none."""
         out: torch.nn.Parameter = getattr(self, "_".join(str(name).replace(".", "_") for name in names))
         return out
 
@@ -288,7 +294,7 @@ class Network(torch.nn.Module):
         return x + F.linear(F.gelu(hidden), at("fc2"))
 
     def encode(self, inputs: Tensor) -> Tensor:
-        """[tokens,dim] from a Prepared's inputs."""
+        """[tokens,dim] from a Prepared's inputs. Raises ArgumentError unless given tensors."""
         dim = (self.form.dim,)
         x = F.linear(inputs, self.at("tokeniser.weight")).float()
         x = F.layer_norm(x, dim, self.at("tokeniser.norm"), None, _EPSILON)
@@ -297,7 +303,8 @@ class Network(torch.nn.Module):
         return F.layer_norm(x.float(), dim, self.at("final_norm"), None, _EPSILON)
 
     def raw(self, tokens: Tensor, prepared: Prepared) -> Tensor:
-        """[count,numbers] of each Gaussian before the heads' formulas, from the encoder's tokens."""
+        """[count,numbers] of each Gaussian before the heads' formulas, from the encoder's tokens.
+        Raises ArgumentError unless given tokens and a Prepared."""
         form, used = self.form, tokens[prepared.used]
         pixels = form.patch**2
         if form.pixel_skip:
@@ -324,7 +331,7 @@ class Network(torch.nn.Module):
         return F.linear(x, self.at(name, "last.weight"), self.at(name, "last.bias"))
 
     def splats(self, raw: Tensor, prepared: Prepared) -> Parts:
-        """The heads' formulas."""
+        """The heads' formulas. Raises ArgumentError unless given raw numbers and a Prepared."""
         origin, ray, nearest, footprint, start, start_logit, opacity, frame, albedo, ambient = (
             prepared.base.split(_BASE, 1)
         )
@@ -350,11 +357,13 @@ class Network(torch.nn.Module):
             (look[:, 1:4] + albedo).sigmoid(),
             _ROUGHNESS_FLOOR + (1 - _ROUGHNESS_FLOOR) * look[:, 4].sigmoid(),
             (look[:, 5:8] + ambient).sigmoid(),
+            torch.zeros_like(ambient),
         )
 
     def forward(self, prepared: Prepared) -> Parts:
         """The Gaussians of a Prepared: one for each pixel of the object, as the library's network gives them.
-        ffprocams.reconstruct goes on from there: it takes away what the photographs contradict, and polishes."""
+        ffprocams.reconstruct goes on from there: it takes away what the photographs contradict, and polishes.
+        Raises ArgumentError unless given one."""
         return self.splats(self.raw(self.encode(prepared.inputs), prepared), prepared)
 
     def model(self) -> Model:

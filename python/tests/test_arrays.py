@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import pickle
 from pathlib import Path
 
 import ffprocams as ffp
@@ -64,6 +65,31 @@ def test_several_patterns_are_used(capture: ffp.Capture) -> None:
     assert len(one) != len(two) or not np.array_equal(one.centre, two.centre)
     with pytest.raises(ffp.Error, match="named twice"):
         ffp.reconstruct(capture, "none", pattern=["lollipop_2", "lollipop_2"], polish=0)
+
+
+def test_scattered_light(capture: ffp.Capture, gaussians: ffp.Gaussians, tmp_path: Path) -> None:
+    """None is none; it follows the pattern's mean, and comes back from a file, a pickle, a slice and a sum of sets."""
+    camera, projector = capture.camera(0), capture.projector(0)
+    given = gaussians.arrays()
+    plain = ffp.Gaussians.from_arrays(**{**given, "scattered": None})
+    assert not plain.scattered.any() and plain.to_bytes() == gaussians.copy().to_bytes()
+    light = np.full((len(gaussians), 3), (0.03, 0.02, 0.01), np.float32)
+    lit = ffp.Gaussians.from_arrays(**{**given, "scattered": light})
+    lit.save(tmp_path / "lit.ply")
+    for other in (ffp.Gaussians.load(tmp_path / "lit.ply"), pickle.loads(pickle.dumps(lit)), lit[:], lit.transformed()):
+        np.testing.assert_array_equal(other.scattered, light)
+    assert ffp.Gaussians.concatenate([plain, lit]).scattered.sum() == pytest.approx(light.sum(), rel=1e-5)
+    half = np.zeros((projector.height, projector.width, 3), np.float32) + 0.5
+
+    def shown(which: ffp.Gaussians, pattern: np.ndarray | None) -> np.ndarray:
+        return ffp.Renderer().aim(which, camera, projector).shade(pattern, capture.intensity, dtype=np.float32, linear=True)
+
+    np.testing.assert_array_equal(shown(lit, None), shown(plain, None))
+    covered = ffp.Renderer().aim(lit, camera, projector).map("opacity") > 0.9999
+    added = (shown(lit, half) - shown(plain, half))[covered]
+    assert np.allclose(added, 0.5 * light[0], atol=2e-5)
+    with pytest.raises(ffp.Error, match="scattered"):
+        ffp.Gaussians.from_arrays(**{**given, "scattered": -light})
 
 
 def test_arrays_are_the_librarys_memory_and_keep_it(capture: ffp.Capture, gaussians: ffp.Gaussians) -> None:

@@ -28,6 +28,9 @@ def test_rvec_and_tvec() -> None:
     assert np.trace(r) == pytest.approx(1 + 2 * np.cos(np.linalg.norm(RVEC)))
     np.testing.assert_allclose(rotation_of((0, 0, np.pi / 2)) @ (1, 0, 0), (0, 1, 0), atol=1e-12)
     np.testing.assert_array_equal(rotation_of(np.zeros((3, 1))), np.eye(3))
+    for wrong in (np.diag((1, 1, -1)), 2 * np.eye(3)):
+        with pytest.raises(ffp.ArgumentError, match="scales or mirrors"):
+            rotation_of(wrong)
     camera = ffp.Pinhole.from_opencv(K, RVEC, TVEC, (640, 480))
     point = np.array([0.2, 0.1, 3.0])
     x = r @ point + TVEC  # as OpenCV projects, whose pixel centres are integers
@@ -105,6 +108,7 @@ def test_a_shape_is_height_and_width(tmp_path: Path) -> None:
             images=images,
             patterns={"x": tmp_path / "shown.png"},
             projector=ffp.CalibratedAt(128, 80),
+            width=96,
         )
     for name, picture in (("black", grey // 9), ("white", 2 * grey)):
         write_png(tmp_path / f"empty_{name}.png", picture)
@@ -115,6 +119,7 @@ def test_a_shape_is_height_and_width(tmp_path: Path) -> None:
         patterns={"x": tmp_path / "shown.png"},
         empty={name: tmp_path / f"empty_{name}.png" for name in ("black", "white")},
         projector=ffp.CalibratedAt(128, 80),
+        width=96,
     )
     assert ffp.Capture.open(tmp_path / "by_stage").coverage(0)[22:38, 32:58].min() > 0.9
     one, other = (ffp.Capture.open(tmp_path / out).camera(0) for out in ("by_program", "by_python"))
@@ -198,7 +203,7 @@ def test_photographs_are_imported(capture: ffp.Capture, sample: Path, tmp_path: 
     ffp.import_capture(
         tmp_path / "imported", rig,
         images={"black": tmp_path / "all_black.png", "white": tmp_path / "all_white.png", "x": tmp_path / "lollipop_0.png"},
-        patterns={"x": sample / "patterns" / "lollipop_0.png"},
+        patterns={"x": sample / "patterns" / "lollipop_0.png"}, width=128,
     )  # fmt: skip
     made = ffp.Capture.open(tmp_path / "imported")
     assert made.pattern_names == ("black", "white", "x")

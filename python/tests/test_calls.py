@@ -131,7 +131,8 @@ def test_errors_know_code_file_and_field(tmp_path: Path, sample: Path, capture: 
 def test_messages_are_taken_apart() -> None:
     from ffprocams.errors import _CLASSES, ErrorCode
 
-    error = _CLASSES[ErrorCode.FILE]("is not 4 x 4 (/a (b)/scene.json: views[0].c2w)", ErrorCode.FILE)
+    where = "/a (b)/scene.json: views[0].c2w"
+    error = _CLASSES[ErrorCode.FILE](f"is not 4 x 4 ({where})", ErrorCode.FILE, where)
     assert (error.what, error.file, error.field) == ("is not 4 x 4", "/a (b)/scene.json", "views[0].c2w")
     error = _CLASSES[ErrorCode.MEMORY]("out of memory", ErrorCode.MEMORY)
     assert (error.what, error.file, error.field) == ("out of memory", None, None)
@@ -203,7 +204,7 @@ def test_gaussians_are_pickled_and_other_handles_are_not(gaussians: ffp.Reconstr
     import pickle
 
     again = pickle.loads(pickle.dumps(gaussians))
-    assert isinstance(again, ffp.Reconstructed) and again.stats == gaussians.stats
+    assert isinstance(again, ffp.Reconstructed) and repr(again.stats) == repr(gaussians.stats)  # NaN is not itself
     for name, array in gaussians.arrays().items():
         np.testing.assert_array_equal(again.arrays()[name], array, name)
     with pytest.raises(TypeError, match="save"):
@@ -219,6 +220,18 @@ def test_gaussians_are_sliced(gaussians: ffp.Gaussians) -> None:
     np.testing.assert_array_equal(gaussians[-1].scale, gaussians.scale[-1:])
     with pytest.raises(IndexError):
         gaussians[len(gaussians)]
+
+
+def test_held_out_patterns_judge(sample: Path, tmp_path: Path) -> None:
+    sculpture = sample.parent / "sculpture"  # holds lollipop_3 out
+    made = ffp.reconstruct(sculpture, "none", polish=0)
+    made.save(tmp_path / "a.ply")
+    rows = {row.protocol: row for row in ffp.evaluate(sculpture, gaussians=tmp_path / "a.ply")}
+    assert made.stats.unseen == 1
+    assert made.stats.unseen_psnr == pytest.approx(rows["novel_pattern"].psnr, abs=0.1)  # evaluate's is of 8 bits
+    assert made.stats.unseen_lit_psnr < made.stats.unseen_psnr
+    named = ffp.reconstruct(sculpture, "none", pattern=["lollipop_0", "lollipop_3"], polish=0)  # none is left
+    assert named.stats.unseen == 0 and np.isnan(named.stats.unseen_psnr)
 
 
 def test_paths_serve_as_handles(capture: ffp.Capture, sample: Path, tmp_path: Path) -> None:

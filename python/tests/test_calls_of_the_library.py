@@ -150,7 +150,7 @@ def test_maps_of_a_view(capture: ffp.Capture, gaussians: ffp.Gaussians) -> None:
     assert np.abs(there - capture.coverage(0)).mean() < 0.02
     small = ffp.Renderer(form="paper", samples=1).aim(gaussians, camera.resized(33, 17), capture.projector(0))
     assert small.map("albedo").shape == (17, 33, 3)
-    with pytest.raises(ffp.ArgumentError, match="not one of"):
+    with pytest.raises(ffp.ArgumentError, match="expected one of"):
         small.map("gloss")
 
 

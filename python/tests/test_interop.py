@@ -47,14 +47,40 @@ def test_damaged_transforms(capture: ffprocams.Capture, tmp_path: Path) -> None:
         ({"fl_x": "long"}, "fl_x"),
         ({"k1": 0.1}, "k1"),
         ({"transform_matrix": [[1, 2], [3, 4]]}, "transform_matrix"),
+        ({"transform_matrix": np.diag([1, 1, -1, 1]).tolist()}, "mirrors"),
+        ({"transform_matrix": np.diag([2, 2, 2, 1]).tolist()}, "scales"),
+        ({"camera_model": "EQUIRECTANGULAR"}, "EQUIRECTANGULAR, not a pinhole"),
+        ({"camera_model": "OPENCV_FISHEYE"}, "undistort"),
+        ({"is_fisheye": True}, "fisheye"),
     ):
         file.write_text(json.dumps({**whole, "frames": [{**whole["frames"][0], **change}]}))
         with pytest.raises(ffprocams.ArgumentError, match=word):
             interop.from_transforms(file)
+    file.write_text(json.dumps({**whole, "frames": [whole["frames"][0]] * 2}))
+    with pytest.raises(ffprocams.ArgumentError, match="have the same name"):
+        interop.from_transforms(file)
     for text in ("{", "[1]", '{"frames": [3]}'):
         file.write_text(text)
         with pytest.raises(ffprocams.ArgumentError):
             interop.from_transforms(file)
+
+
+def test_three_rows_are_a_pose(capture: ffprocams.Capture, tmp_path: Path) -> None:
+    file = interop.to_transforms(capture, tmp_path / "out")
+    wanted, whole = interop.from_transforms(file)[0], json.loads(file.read_text())
+    for frame in whole["frames"]:
+        frame["transform_matrix"] = frame["transform_matrix"][:3]
+    file.write_text(json.dumps(whole))
+    found = interop.from_transforms(file)[0]
+    assert all(np.array_equal(found[name].pose, wanted[name].pose) for name in wanted)
+
+
+def test_pictures_of_one_name_in_two_folders(capture: ffprocams.Capture, tmp_path: Path) -> None:
+    file = interop.to_transforms(capture, tmp_path / "out")
+    whole = json.loads(file.read_text())
+    frames = [{**frame, "file_path": f"cam{k}/0001.png"} for k, frame in enumerate(whole["frames"][:2])]
+    file.write_text(json.dumps({**whole, "frames": frames, "ffprocams_projectors": []}))
+    assert list(interop.from_transforms(file)[0]) == ["cam0/0001", "cam1/0001"]
 
 
 @pytest.fixture(scope="module")
@@ -72,8 +98,12 @@ def test_colmap_comes_back(capture: ffprocams.Capture, colmap: Path, tmp_path: P
             assert np.allclose(ours.pose, theirs.pose, atol=1e-6)  # a capture's poses are single precision
     cameras_, images = ((colmap / "sparse" / "0" / f"{name}.bin").read_bytes() for name in ("cameras", "images"))
     assert len(cameras_) == 8 + 24 + 32  # the views share a camera
+    one = images[8:72]
+    twice = struct.pack("<Q", 2) + b"".join(one + name + bytes(9) for name in (b"a/1.png", b"a/1.jpg"))
     for file, data, word in (
-        ("cameras.bin", cameras_[:12] + b"\4" + cameras_[13:], "camera 1 is neither"),
+        ("cameras.bin", cameras_[:12] + b"\5" + cameras_[13:], "camera 1 is not a pinhole"),
+        ("cameras.bin", cameras_[:12] + b"\3" + cameras_[13:] + struct.pack("<d", 0.1), "camera 1 has lens distortion"),
+        ("images.bin", twice, r"'a/1\.png' and 'a/1\.jpg' have the same name 'a/1'"),
         ("cameras.bin", cameras_[:-1], "byte 32"),
         ("cameras.bin", cameras_[:32] + struct.pack("<d", np.nan) + cameras_[40:], "camera 1 is not finite"),
         ("cameras.bin", struct.pack("<Q", 0), "no camera 1"),
@@ -87,6 +117,23 @@ def test_colmap_comes_back(capture: ffprocams.Capture, colmap: Path, tmp_path: P
         with pytest.raises(ffprocams.ArgumentError, match=word) as caught:
             interop.from_colmap(tmp_path)
         assert str(tmp_path) in str(caught.value)
+
+
+def test_colmap_folders_and_lenses_of_zero(colmap: Path, tmp_path: Path) -> None:
+    model, sparse = colmap / "sparse" / "0", tmp_path / "sparse"
+    sparse.mkdir()
+    cameras, images = ((model / f"{name}.bin").read_bytes() for name in ("cameras", "images"))
+    (sparse / "images.bin").write_bytes(images)
+    wanted = interop.from_colmap(colmap)[0]
+    for kind, numbers in ((1, 0), (4, 4), (6, 8)):
+        lens = struct.pack("<i", kind), bytes(8 * numbers)
+        (sparse / "cameras.bin").write_bytes(cameras[:12] + lens[0] + cameras[16:] + lens[1])
+        found = interop.from_colmap(tmp_path)[0]
+        assert list(found) == list(wanted) and all(found[name].K.tolist() == wanted[name].K.tolist() for name in wanted)
+    (sparse / "cameras.bin").unlink()
+    (sparse / "cameras.txt").write_text("1 PINHOLE 8 8 8 8 4 4\n")
+    with pytest.raises(ffprocams.ArgumentError, match="is a text model: pinholes_from_pycolmap"):
+        interop.from_colmap(tmp_path)
 
 
 def test_colmap_as_colmap_reads_it(capture: ffprocams.Capture, colmap: Path) -> None:

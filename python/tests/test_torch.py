@@ -39,6 +39,7 @@ def few(capture: ffprocams.Capture) -> layer.Parts:
         albedo=parts.albedo.clamp(0.1, 0.9),
         ambient=parts.ambient.clamp(0.02, 0.5),
         roughness=parts.roughness.clamp(0.3, 0.9),
+        scattered=0.02 + 0.04 * torch.rand(40, 3, generator=torch.Generator().manual_seed(4)),
     )
 
 
@@ -102,7 +103,7 @@ def render_of(few: layer.Parts, devices, pattern, **changed):  # type: ignore[no
 # Single precision, and rims of splats (alpha below 1/255) that a step moves past pixels: hence 6 %, and 15 % for
 # devices, which move all rims. The same gradients agree to 1e-5 in
 # double (tests/engine/render/test_aim_f64.c). The constants of the backward pass are off in the paper's form.
-STEPS = {"centre": 2e-4, "scale": 1e-4, "rotation": 1e-3, "opacity": 2e-3, "albedo": 1e-3, "roughness": 2e-3, "ambient": 1e-3}  # fmt: skip
+STEPS = {"centre": 2e-4, "scale": 1e-4, "rotation": 1e-3, "opacity": 2e-3, "albedo": 1e-3, "roughness": 2e-3, "ambient": 1e-3, "scattered": 1e-3}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", STEPS)
@@ -117,7 +118,7 @@ def test_gradients_of_gaussians(few, devices, pattern, name) -> None:  # type: i
     assert numeric == pytest.approx(analytic, rel=0.06)
 
 
-@pytest.mark.parametrize("name", ["albedo", "roughness", "ambient", "intensity", "pattern"])
+@pytest.mark.parametrize("name", ["albedo", "roughness", "ambient", "scattered", "intensity", "pattern"])
 def test_gradients_with_shadows(few, devices, pattern, name) -> None:  # type: ignore[no-untyped-def]
     """In the shipped form, of what leaves shadows and footprints where they are."""
     light = torch.tensor([6.0, 7.0, 8.0])
@@ -190,6 +191,29 @@ def test_splats_are_fitted(capture, gaussians) -> None:  # type: ignore[no-untyp
         heard.append(float(layer.psnr(picture.detach(), target)))
     assert heard[-1] > heard[0] + 1
     assert len(splats.gaussians()) == len(gaussians)
+
+
+def test_scattered_light_is_fitted(capture, gaussians) -> None:  # type: ignore[no-untyped-def]
+    """Its numbers are roots: none stays none, and a little grows where the picture asks for more."""
+    splats = layer.Splats(gaussians)
+    assert float(splats().scattered.detach().abs().max()) == 0
+    start = layer.Parts.of(gaussians)._replace(scattered=torch.full((len(gaussians), 3), 0.001))
+    splats, white = layer.Splats(start), torch.ones(capture.projector(0).height, capture.projector(0).width, 3)
+
+    def picture(parts: layer.Parts) -> torch.Tensor:
+        return layer.render(parts, [capture.camera(0)], [capture.projector(0)], [white], capture.intensity, linear=True)[0, 0]
+
+    with torch.no_grad():
+        target = picture(layer.Splats(start._replace(scattered=torch.full((len(gaussians), 3), 0.004)))())
+    optimiser, heard = torch.optim.Adam([splats.scattered], lr=0.002, eps=1e-12), []
+    for _ in range(8):
+        optimiser.zero_grad()
+        loss = (picture(splats()) - target).square().mean()
+        loss.backward()
+        optimiser.step()
+        heard.append(float(loss.detach()))
+    assert heard[-1] < 0.5 * heard[0]
+    assert float(splats.gaussians().scattered.mean()) > 0.0012
 
 
 def test_the_printed_fit(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -31,8 +31,12 @@ def as_json(value):
 
 # --- Splats of other programs: two, at (0.5, -1, 2) and (0, 0, 0), turned by 60 degrees about x. ---
 
-def spz(version, count=2, zipped=True, size=None):
-    positions = [0.5, -1.0, 2.0, 0.0, 0.0, 0.0]
+AXES = 0xadbe0003, 4, 6  # the extension that says in which axes they are: 6, right, down, forward
+OTHER = 0x12340001, 4, 1
+
+
+def spz(version, count=2, zipped=True, size=None, extension=None):
+    positions = [0.5, -1.0, 2.0, 0.0, 0.0, 0.0] if not extension else [0.5, 1.0, -2.0, 0.0, 0.0, 0.0]
     if version == 1:
         data = struct.pack('<6e', *positions)
         rotation = bytes([191, 128, 128])
@@ -40,7 +44,9 @@ def spz(version, count=2, zipped=True, size=None):
         data = b''.join(struct.pack('<i', round(p * 4096))[:3] for p in positions)
         rotation = bytes([191, 128, 128]) if version == 2 else struct.pack('<I', 3 << 30 | 361 << 20)
     data += bytes([204, 51]) + 2 * bytes([166, 128, 90]) + 2 * bytes([96, 96, 80]) + 2 * rotation
-    header = struct.pack('<IIIBBBB', 0x5053474e, version, count, 0, 12, 0, 0)
+    if extension:  # behind harmonics of one degree
+        data += bytes(2 * 9) + struct.pack('<6I', *OTHER, *extension)
+    header = struct.pack('<IIIBBBB', 0x5053474e, version, count, 1 if extension else 0, 12, 2 if extension else 0, 0)
     return gzip.compress((header + data)[:size], mtime=0) if zipped else header + data
 
 
@@ -49,16 +55,17 @@ def zstd_stored(data):
     return struct.pack('<IBI', 0xfd2fb528, 0xa0, len(data)) + struct.pack('<I', 1 | len(data) << 3)[:3] + data
 
 
-def spz4(count=2, cut=0, harmonics=0):
+def spz4(count=2, cut=0, harmonics=0, extension=None):
     """By the format's description (github.com/nianticlabs/spz, README)."""
-    parts = [b''.join(struct.pack('<i', round(p * 4096))[:3] for p in (0.5, -1.0, 2.0, 0.0, 0.0, 0.0)),
+    parts = [b''.join(struct.pack('<i', round(p * 4096))[:3] for p in ((0.5, 1.0, -2.0) if extension else (0.5, -1.0, 2.0)) + (0, 0, 0)),
              bytes([204, 51]), 2 * bytes([166, 128, 90]), 2 * bytes([96, 96, 80]), 2 * struct.pack('<I', 3 << 30 | 361 << 20)]
     if harmonics:
         parts.append(bytes(2 * 9))
     streams = [zstd_stored(part) for part in parts]
-    header = struct.pack('<IIIBBBBI12x', 0x5053474e, 4, count, harmonics, 12, 0, len(streams), 32)
+    records = struct.pack('<6I', *OTHER, *extension) if extension else b''
+    header = struct.pack('<IIIBBBBI12x', 0x5053474e, 4, count, harmonics, 12, 2 if extension else 0, len(streams), 32 + len(records))
     table = b''.join(struct.pack('<QQ', len(stream), len(part)) for stream, part in zip(streams, parts))
-    whole = header + table + b''.join(streams)
+    whole = header + records + table + b''.join(streams)
     return whole[:len(whole) - cut]
 
 
@@ -70,7 +77,7 @@ def dot_splat():
 
 
 def gltf_splats(binary, extension='KHR_gaussian_splatting', space='srgb_rec709_display', moved='', times=1, size=math.exp(-4), uri='',
-                how=None, change=None):
+                how=None, change=None, packed=b''):
     half, dc = math.sqrt(0.75), 1.0
     columns = {
         'POSITION': ([0.5, -1, 2, 0, 0, 0], 'VEC3'),
@@ -90,6 +97,11 @@ def gltf_splats(binary, extension='KHR_gaussian_splatting', space='srgb_rec709_d
     for name, (values, kind) in columns.items():
         add(name, struct.pack(f'<{len(values)}f', *values), kind, componentType=5126)
     add('KHR_gaussian_splatting:OPACITY', bytes([204, 51]), 'SCALAR', componentType=5121, normalized=True)
+    if packed:
+        views.append({'buffer': 0, 'byteOffset': len(data), 'byteLength': len(packed)})
+        data += packed + bytes(-len(packed) % 4)
+        for accessor in accessors:
+            del accessor['bufferView']
     primitive = {'mode': 0, 'attributes': attributes, 'extensions': {extension: {'colorSpace': space, **(how or {})}}}
     root = {'asset': {'version': '2.0'}, 'bufferViews': views, 'accessors': accessors,
             'meshes': [{'primitives': times * [primitive]}], 'buffers': [{'byteLength': len(data)}],
@@ -124,6 +136,9 @@ def splats():
     write('spz', 'short.spz', spz(2, size=40))
     write('spz', 'many.spz', spz(2, count=40000000))
     write('spz', 'plain.spz', spz(3, zipped=False))
+    write('spz', 'axes.spz', spz4(extension=AXES))
+    write('spz', 'axes_zipped.spz', spz(3, extension=AXES))
+    write('spz', 'axes_plain.spz', spz(2, zipped=False, extension=AXES))
     write('gltf', 'splats.glb', gltf_splats(True))
     write('gltf', 'splats.gltf', gltf_splats(False))
     write('gltf', 'linear.glb', gltf_splats(True, space='lin_rec709_display'))
@@ -135,7 +150,10 @@ def splats():
     write('gltf', 'none.glb', gltf_splats(True, extension='KHR_other'))
     write('gltf', 'thin.glb', gltf_splats(True, size=0))
     write('gltf', 'negative.glb', gltf_splats(True, size=-1))
-    write('gltf', 'packed.glb', gltf_splats(True, how={'extensions': {'KHR_gaussian_splatting_compression_spz_2': {}}}))
+    packing = 'KHR_gaussian_splatting_compression_spz_2'
+    write('gltf', 'packed.glb', gltf_splats(True, how={'extensions': {packing: {'bufferView': 5}}}, packed=spz(3)))
+    write('gltf', 'packed_nowhere.glb', gltf_splats(True, how={'extensions': {packing: {'bufferView': 5}}}))
+    write('gltf', 'packed_else.glb', gltf_splats(True, how={'extensions': {'EXT_other_compression': {}}}))
     write('gltf', 'kernel.glb', gltf_splats(True, how={'kernel': 'customShape', 'extensions': {'EXT_kernel_customShape': {}}}))
     twice = {'nodes': [{'mesh': 0}, {'mesh': 0}], 'scenes': [{'nodes': [1]}, {'nodes': [0]}], 'scene': 1}
     write('gltf', 'hidden.glb', gltf_splats(True, change=lambda root: root.update(twice)))

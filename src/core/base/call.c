@@ -24,6 +24,20 @@ static locale_t use_plain_locale(void) {
     return uselocale(plain_locale);
 }
 
+// --- Processes that are forked. ---
+
+static pthread_once_t fork_once = PTHREAD_ONCE_INIT;
+static bool forked; // OpenMP's workers stayed in the parent, and a region of two threads would wait for them
+
+static void enter_child(void) {
+    forked = true;
+    pthread_mutex_init(&device_lock, NULL); // whoever had it is in the parent
+}
+
+static void watch_forks(void) {
+    pthread_atfork(NULL, NULL, enter_child);
+}
+
 // --- Work that may be left. ---
 
 // False when the work was left. This frame has nothing that changes between setjmp and a jump.
@@ -63,10 +77,15 @@ static void run_guarded(FfpFrame *outer, Body *body) {
     ffp_frame = frame.outer;
 }
 
+static int threads_for(int wanted) {
+    if (forked) return 1;
+    return wanted > 0 ? wanted : omp_get_max_threads();
+}
+
 void ffp_parallel_for(int64_t count, int threads, void (*body)(void *argument, int64_t index),
                       void *argument) {
     FfpFrame *outer = ffp_frame;
-#pragma omp parallel for schedule(dynamic) num_threads(threads > 0 ? threads : omp_get_max_threads())
+#pragma omp parallel for schedule(dynamic) num_threads(threads_for(threads))
     for (int64_t i = 0; i < count; i++) run_guarded(outer, &(Body){body, argument, i});
     if (outer && outer->call && outer->call->failed) ffp_leave((FfpErrorCode)outer->call->failed, 0);
     ffp_cancel_point(); // this thread may have had none of them
@@ -87,8 +106,11 @@ static void begin(FfpCall *call, FfpFrame *frame) {
     if (takes_turn(context)) pthread_mutex_lock(&device_lock);
     call->device = ffp_device();
     call->locale = use_plain_locale();
+    pthread_once(&fork_once, watch_forks);
     call->threads = omp_get_max_threads();
-    if (context && context->settings.threads > 0) omp_set_num_threads(context->settings.threads);
+    int wanted = context ? context->settings.threads : 0;
+    if (forked) wanted = 1;
+    if (wanted > 0) omp_set_num_threads(wanted);
     *frame = (FfpFrame){
         .call = call, .blocks = &call->blocks, .outer = ffp_frame, .level = omp_get_level(), .caller = true};
     ffp_frame = frame;

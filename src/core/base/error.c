@@ -3,11 +3,17 @@
 #include <stdio.h>
 #include <string.h>
 
+// Names from files must not steer a terminal.
+static void make_plain(char *text) {
+    for (char *c = text; *c; c++)
+        if ((unsigned char)*c < 32 || *c == 127) *c = '?';
+}
+
 bool ffp_fail(FfpError *err, FfpErrorCode code, const char *where, const char *what_format, ...) {
     if (!err) return false;
     // Assembled aside: `where` and the arguments may point into err->text when a caller adds to an older
     // message.
-    char text[sizeof err->text];
+    char text[sizeof err->text], place[sizeof err->where] = "";
     va_list arguments;
     va_start(arguments, what_format);
     int length = vsnprintf(text, sizeof text, what_format, arguments);
@@ -16,13 +22,13 @@ bool ffp_fail(FfpError *err, FfpErrorCode code, const char *where, const char *w
         length = 0;
         text[0] = 0;
     }
-    if (where && where[0] && (size_t)length < sizeof text - 1) {
-        snprintf(text + length, sizeof text - (size_t)length, " (%s)", where);
-    }
-    for (char *c = text; *c; c++) {
-        if ((unsigned char)*c < 32 || *c == 127) *c = '?'; // names from files must not steer a terminal
-    }
+    if (where) snprintf(place, sizeof place, "%s", where);
+    make_plain(place);
+    if (place[0] && (size_t)length < sizeof text - 1)
+        snprintf(text + length, sizeof text - (size_t)length, " (%s)", place);
+    make_plain(text);
     memcpy(err->text, text, sizeof text);
+    memcpy(err->where, place, sizeof place);
     err->code = code;
     err->finding = NULL;
     return false;

@@ -13,7 +13,7 @@ static bool begins(const unsigned char *head, size_t size, const char *magic, si
 
 static bool is_json(const unsigned char *head, size_t size) {
     size_t at = begins(head, size, "\xef\xbb\xbf", 3) ? 3 : 0; // a byte order mark
-    while (at < size && strchr(" \t\r\n", head[at])) at++;
+    while (at < size && head[at] != 0 && strchr(" \t\r\n", head[at])) at++;
     return at < size && head[at] == '{';
 }
 
@@ -35,6 +35,13 @@ static bool is_field(const unsigned char *head, size_t size) {
     return holds(head, size, "\"ffprocams neural field 1\"");
 }
 
+// A .splat has no mark, and its first number may begin like JSON, which is text.
+static bool is_text(const unsigned char *head, size_t size) {
+    for (size_t i = 0; i < size; i++)
+        if (head[i] == 0 || (head[i] < ' ' && !strchr("\t\r\n", head[i]))) return false;
+    return true;
+}
+
 static bool ends_with(const char *path, const char *ending) {
     const size_t length = strlen(path), end = strlen(ending);
     return length >= end && strcasecmp(path + length - end, ending) == 0;
@@ -52,7 +59,8 @@ FfpKind ffp_file_kind(const char *path) {
     if (!stream) return FFP_KIND_UNKNOWN;
     const size_t size = fread(head, 1, sizeof head, stream);
     fclose(stream);
-    if (size > 8 && head[7] == 0 && head[8] == '{') // the header's length before it
+    const bool bare = ends_with(path, ".splat") && !is_text(head, size);
+    if (!bare && size > 8 && head[7] == 0 && head[8] == '{') // the header's length before it
         return is_field(head, size) ? FFP_KIND_FIELD : FFP_KIND_WEIGHTS;
     if (begins(head, size, "ply", 3) && size > 3 && head[3] != 0 && strchr(" \t\r\n", head[3]))
         return FFP_KIND_PLY;
@@ -60,8 +68,9 @@ FfpKind ffp_file_kind(const char *path) {
     if (begins(head, size, "glTF", 4) || (is_json(head, size) && ends_with(path, ".gltf")))
         return FFP_KIND_GLTF;
     if (is_image(head, size)) return FFP_KIND_IMAGE;
-    if (is_json(head, size)) return is_foreign_json(head, size, path) ? FFP_KIND_UNKNOWN : FFP_KIND_JSON;
-    return ends_with(path, ".splat") ? FFP_KIND_SPLAT : FFP_KIND_UNKNOWN; // has no mark
+    if (!bare && is_json(head, size))
+        return is_foreign_json(head, size, path) ? FFP_KIND_UNKNOWN : FFP_KIND_JSON;
+    return ends_with(path, ".splat") ? FFP_KIND_SPLAT : FFP_KIND_UNKNOWN;
 }
 
 bool ffp_check_kind(const char *path, FfpExpectedKind wanted, FfpError *err) {

@@ -179,9 +179,7 @@ static bool range_of_view(FfpView *view, real (*points)[3], int n) {
 }
 
 // The middle of the lit points, and their reach.
-static void estimate_scene(FfpCapture *capture, bool sphere) {
-    real(*points)[3] = ffp_alloc(FFP_COARSE_POINTS_MAX, sizeof *points);
-    const int n = ffp_clear_points(capture, points);
+static void bound_scene(FfpCapture *capture, real (*points)[3], int n, bool sphere) {
     double centre[3], reach = 0;
     if (!meeting_point(capture, centre)) point_ahead(capture, centre);
     if (n > 0) enclose(points, n, centre, &reach);
@@ -197,7 +195,16 @@ static void estimate_scene(FfpCapture *capture, bool sphere) {
         view->far = FARTHER * (real)fmax((double)(middle + capture->radius), (double)capture->radius);
         view->near = view->far / NEVER;
     }
+}
+
+static void estimate_scene(FfpCapture *capture, bool sphere) {
+    real(*points)[3] = ffp_alloc(FFP_COARSE_POINTS_MAX, sizeof *points);
+    bound_scene(capture, points, ffp_clear_points(capture, points), sphere);
     ffp_free(points);
+}
+
+void ffp_capture_bound_scene(FfpCapture *capture, real (*points)[3], int n) {
+    bound_scene(capture, points, n, true);
 }
 
 void ffp_capture_estimate_ranges(FfpCapture *capture) {

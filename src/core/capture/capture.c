@@ -130,6 +130,16 @@ int ffp_capture_photographs(const FfpCapture *capture, const char *const *names,
     return count;
 }
 
+int ffp_capture_unseen(const FfpCapture *capture, const int *chosen, int n, int *unseen) {
+    int count = 0;
+    for (int p = 0; p < ffp_patterns_shown(capture) && count < FFP_UNSEEN_MAX; p++) {
+        bool free = capture->patterns[p].novel && seen_by_any(capture, p);
+        for (int i = 0; i < n; i++) free = free && chosen[i] != p;
+        if (free) unseen[count++] = p;
+    }
+    return count;
+}
+
 void ffp_capture_normalise(FfpCapture *capture, const real centre[3], real radius) {
     const real origin[3] = {centre[0], centre[1], centre[2]}; // `centre` may be capture->centre
     for (int v = 0; v < capture->n_views; v++) {

@@ -60,6 +60,9 @@ typedef struct FfpPanel {
     real
         blur; // deviation of the Gaussian, in pixels of the ideal projector, through which its pictures reach
               // the surface and the camera; the capture's patterns are filtered by it. 0: none is known
+    real spread[3];    // share of its light, per channel, that lenses and material spread widely around ...
+    real spread_reach; // ... by a Gaussian of this deviation, in pixels of the ideal projector; the capture's
+                       // patterns hold it. 0: none is known
 } FfpPanel;
 
 typedef struct FfpCapture {
@@ -157,12 +160,19 @@ int ffp_capture_active_pattern(const FfpCapture *capture, const char *name, FfpE
 int ffp_capture_photographs(const FfpCapture *capture, const char *const *names, int n, int *chosen,
                             FfpError *err);
 
+// The first patterns that are held out and of which some view has a photograph, those chosen [n] left out,
+// into unseen [FFP_UNSEEN_MAX]: what a reconstruction is judged by. Returns their number.
+enum { FFP_UNSEEN_MAX = 2 };
+int ffp_capture_unseen(const FfpCapture *capture, const int *chosen, int n, int *unseen);
+
 // The least-squares intersection of all camera and projector axes, or if these are nearly parallel the centre
 // of the lit surfaces found from the projected colours (coarse_depth.h); and the radius that the masks cover
 // around it (the largest distance between the centre and a foreground pixel's ray, over all views, plus 2 %,
 // so that rays along a silhouette pass through the sphere instead of just touching it). Writes centre and
 // radius.
 void ffp_capture_estimate_bounds(FfpCapture *capture);
+// Those of a whole scene from n lit points of the world, [n,3], which are known.
+void ffp_capture_bound_scene(FfpCapture *capture, real (*points)[3], int n);
 
 // The depths near and far of those views of a whole scene that have none, from the colours projected on lit
 // surfaces, with room for what is not lit. ffp_capture_estimate_bounds does it too.

@@ -2,6 +2,7 @@
 // first is told.
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <tgmath.h>
 #include "core/base/call.h"
 #include "core/base/file.h"
@@ -12,6 +13,7 @@
 #include "core/capture/pad.h"
 #include "core/capture/photograph_files.h"
 #include "core/capture/photographs.h"
+#include "core/capture/positions.h"
 
 // --- Sources. ---
 
@@ -165,13 +167,31 @@ static bool check_correspondence(const FfpView *view, const char *path, FfpError
     return true;
 }
 
+static bool is_png(const FfpSource *source) {
+    const char *dot = source->raw ? NULL : strrchr(source->path, '.');
+    return dot && strcasecmp(dot, ".png") == 0;
+}
+
+static bool read_positions(FfpView *view, const FfpSource *source, const FfpSize *size, FfpError *err) {
+    FfpImage picture;
+    if (!ffp_image_read_sized(&picture, source->path, FFP_COLOUR_STORED, size, err)) return false;
+    view->correspondence = ffp_positions_decoded(&picture, view->projector.width, view->projector.height);
+    ffp_image_free(&picture);
+    return true;
+}
+
+// Of an EXR or the caller's memory: as they are.
+static bool read_numbers(FfpView *view, const FfpSource *source, const FfpSize *size, FfpError *err) {
+    return source_over_black(&view->correspondence, NULL, source, size, err);
+}
+
 static bool load_correspondence(FfpManifest *manifest, int index, FfpError *err) {
     const FfpSource *source = &manifest->views[index].correspondence;
     FfpView *view = &manifest->capture->views[index];
     if (!source->path) return true;
     const FfpSize size = size_of_camera(manifest, view);
-    return source_over_black(&view->correspondence, NULL, source, &size, err) &&
-           check_correspondence(view, source->path, err);
+    if (!(is_png(source) ? read_positions : read_numbers)(view, source, &size, err)) return false;
+    return check_correspondence(view, source->path, err);
 }
 
 static bool load_truth(FfpManifest *manifest, int index, FfpError *err) {
@@ -346,6 +366,12 @@ static bool seen_by_all(const FfpManifest *manifest, int pattern) {
     return true;
 }
 
+static bool seen_by_any(const FfpManifest *manifest, int pattern) {
+    for (int v = 0; v < manifest->capture->n_views; v++)
+        if (manifest->views[v].images[pattern].path) return true;
+    return false;
+}
+
 static bool is_wanted(const FfpManifest *manifest, int pattern) {
     const FfpCapture *capture = manifest->capture;
     const FfpWanted *wanted = manifest->wanted;
@@ -362,11 +388,14 @@ static bool keep_wanted(FfpManifest *manifest) {
     const FfpCapture *capture = manifest->capture;
     if (!manifest->has_bounds || capture->scene) return false;
     bool unwanted[FFP_PATTERNS_MAX], has_default = false;
+    int unseen = 0;
     for (int p = 0; p < capture->n_patterns; p++) {
         const bool plain = p == capture->black || p == capture->white;
         const bool code = p >= ffp_patterns_shown(capture);
         unwanted[p] = !is_wanted(manifest, p) || (manifest->wanted->n == 0 && !plain && !code && has_default);
         has_default |= !unwanted[p] && !plain;
+        if (unwanted[p] && capture->patterns[p].novel && unseen < FFP_UNSEEN_MAX) // ffp_capture_unseen
+            unwanted[p] = false, unseen += seen_by_any(manifest, p);
     }
     for (int v = 0; v < capture->n_views; v++) {
         FfpViewFiles *files = &manifest->views[v];

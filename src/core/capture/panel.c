@@ -14,6 +14,11 @@ void ffp_panel_describe(FfpPanel *panel, const FfpOptics *optics) {
     for (int i = 0; i < 5; i++) panel->lens[i] = (real)optics->lens[i];
 }
 
+void ffp_panel_soften(const FfpPanel *panel, FfpImage *picture) {
+    ffp_image_blur(picture, panel->blur);
+    ffp_image_spread(picture, panel->spread, panel->spread_reach);
+}
+
 static FfpOptics optics_of(const FfpPanel *panel) {
     FfpOptics optics = {.width = panel->width,
                         .height = panel->height,

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <tgmath.h>
 #include "core/base/arena.h"
+#include "core/capture/manifest.h"
 
 static void reduce_camera(FfpCamera *camera, int width, int height) {
     const real x = (real)width / (real)camera->width, y = (real)height / (real)camera->height;
@@ -141,6 +142,28 @@ FfpCapture ffp_capture_reduced(const FfpCapture *capture, int views, const int *
     out.views = ffp_alloc((size_t)views, sizeof *out.views);
     for (int v = 0; v < views; v++)
         out.views[v] = ffp_view_reduced(&capture->views[v], capture->n_patterns, patterns, n, width, height);
+    return out;
+}
+
+int ffp_capture_widest(const FfpCapture *capture) {
+    int widest = 0;
+    for (int v = 0; v < capture->n_views; v++)
+        widest = capture->views[v].camera.width > widest ? capture->views[v].camera.width : widest;
+    return widest;
+}
+
+FfpCapture ffp_capture_narrowed(const FfpCapture *capture, int width) {
+    FfpCapture out = *capture;
+    int all[FFP_PATTERNS_MAX];
+    const double scale = (double)width / ffp_capture_widest(capture);
+    for (int p = 0; p < capture->n_patterns; p++) all[p] = p;
+    out.views = ffp_alloc((size_t)capture->n_views, sizeof *out.views);
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpCamera *camera = &capture->views[v].camera;
+        out.views[v] = ffp_view_reduced(&capture->views[v], capture->n_patterns, all, capture->n_patterns,
+                                        (int)fmax(FFP_CAMERA_SIDE_MIN, round(scale * camera->width)),
+                                        (int)fmax(FFP_CAMERA_SIDE_MIN, round(scale * camera->height)));
+    }
     return out;
 }
 

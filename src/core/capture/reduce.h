@@ -16,6 +16,10 @@ void ffp_view_reduced_free(FfpView *view, int n_patterns);
 // The first `views` views likewise. Patterns are the capture's own memory: it must outlive the result.
 FfpCapture ffp_capture_reduced(const FfpCapture *capture, int views, const int *patterns, int n, int width,
                                int height);
+// Pixels, of the widest camera.
+int ffp_capture_widest(const FfpCapture *capture);
+// All views, with all photographs, by the factor that makes the widest `width` pixels wide.
+FfpCapture ffp_capture_narrowed(const FfpCapture *capture, int width);
 void ffp_capture_reduced_free(FfpCapture *reduced); // not the patterns; safe on {0}
 
 #endif

@@ -8,7 +8,9 @@
 #define LENS_MAX 1e4    // of a lens's coefficients
 #define GAMMA_LEAST 0.1 // of a projector
 #define GAMMA_MOST 10
-#define BLUR_MAX 64 // pixels
+#define BLUR_MAX 64    // pixels
+#define SPREAD_MAX 0.5 // of a projector's light
+#define REACH_MAX 4096 // pixels
 
 // width, height, fx, fy, cx, cy; every key may be missing when `device` holds it already (an override of a
 // view's own).
@@ -34,6 +36,15 @@ static bool read_device(const FfpNode *field, bool complete, int least_side, Ffp
     return true;
 }
 
+static bool read_spread(const FfpNode *device, FfpPanel *panel, FfpError *err) {
+    FfpNode spread, share;
+    if (!ffp_node_find(device, "spread", &spread)) return true;
+    if (!json_is_object(spread.value)) return ffp_node_fail(&spread, err, "must be an object");
+    return ffp_node_get(&spread, "share", &share, err) &&
+           ffp_node_numbers(&share, 3, 0, SPREAD_MAX, panel->spread, err) &&
+           ffp_get_number(&spread, "deviation", 0, REACH_MAX, &panel->spread_reach, err);
+}
+
 // projector.device: the real projector, of which the rest describes the ideal one.
 static bool read_panel(const FfpNode *projector, FfpPanel *panel, FfpError *err) {
     static const char *const keys[4] = {"fx", "fy", "cx", "cy"};
@@ -54,6 +65,7 @@ static bool read_panel(const FfpNode *projector, FfpPanel *panel, FfpError *err)
     if (ffp_node_find(&field, "blur", &part) &&
         !ffp_get_number(&field, "blur", 0, BLUR_MAX, &panel->blur, err))
         return false;
+    if (!read_spread(&field, panel, err)) return false;
     panel->power = ffp_node_find(&field, "gamma", &part);
     if (panel->power && !ffp_node_numbers(&part, 3, GAMMA_LEAST, GAMMA_MOST, panel->gamma, err)) return false;
     return panel->known = true;

@@ -5,10 +5,12 @@
 #include <string.h>
 #include <tgmath.h>
 #include <unistd.h>
+#include "core/base/call.h"
 #include "core/base/file.h"
 #include "core/capture/capture.h"
 #include "core/capture/node.h"
 #include "core/capture/pad.h"
+#include "core/capture/positions.h"
 
 typedef struct Writer {
     const FfpCapture *capture;
@@ -51,6 +53,10 @@ static json_t *describe_panel(const FfpPanel *panel) {
     json_object_set_new(json, "lens", numbers(panel->lens, 5));
     if (panel->power) json_object_set_new(json, "gamma", numbers(panel->gamma, 3));
     if (panel->blur > 0) json_object_set_new(json, "blur", json_real((double)panel->blur));
+    if (panel->spread_reach > 0)
+        json_object_set_new(json, "spread",
+                            json_pack("{s:o, s:f}", "share", numbers(panel->spread, 3), "deviation",
+                                      (double)panel->spread_reach));
     return json;
 }
 
@@ -99,13 +105,26 @@ static bool write_picture(const FfpImage *rgb, const FfpImage *coverage, const c
     return ok;
 }
 
-// Maps of numbers: correspondences and truth.
-static bool write_maps(Writer *writer, const FfpView *view, json_t *json, FfpError *err) {
-    static const char *const keys[6] = {"correspondence", "depth",     "normal",
-                                        "albedo",         "roughness", "direct_white"};
-    const FfpImage *const images[6] = {&view->correspondence, &view->depth,     &view->normal,
-                                       &view->albedo,         &view->roughness, &view->direct_white};
-    for (int i = 0; i < 6; i++) {
+// Positions in a form that every program reads.
+static bool write_positions(Writer *writer, const FfpView *view, json_t *json, FfpError *err) {
+    char name[FFP_NAME_MAX + 32], path[FFP_PATH_MAX];
+    if (!view->correspondence.data) return true;
+    snprintf(name, sizeof name, "%s_correspondence.png", view->id);
+    if (!claim(writer, name, path, err)) return false;
+    FfpImage encoded =
+        ffp_positions_encoded(&view->correspondence, view->projector.width, view->projector.height);
+    const bool ok = ffp_image_write_png16(&encoded, path, err);
+    ffp_image_free(&encoded);
+    json_object_set_new(json, "correspondence", json_string(name));
+    return ok;
+}
+
+// Maps of true values.
+static bool write_truth(Writer *writer, const FfpView *view, json_t *json, FfpError *err) {
+    static const char *const keys[5] = {"depth", "normal", "albedo", "roughness", "direct_white"};
+    const FfpImage *const images[5] = {&view->depth, &view->normal, &view->albedo, &view->roughness,
+                                       &view->direct_white};
+    for (int i = 0; i < 5; i++) {
         if (!images[i]->data) continue;
         char name[FFP_NAME_MAX + 32], path[FFP_PATH_MAX];
         snprintf(name, sizeof name, "%s_%s.exr", view->id, keys[i]);
@@ -113,6 +132,41 @@ static bool write_maps(Writer *writer, const FfpView *view, json_t *json, FfpErr
         json_object_set_new(json, keys[i], json_string(name));
     }
     return true;
+}
+
+typedef struct Pictures { // of a view
+    const FfpView *view;
+    char (*paths)[FFP_PATH_MAX]; // "": none
+    FfpError *errors;
+    bool *ok;
+} Pictures;
+
+static void write_one(void *argument, int64_t i) {
+    const Pictures *p = argument;
+    const FfpImage *coverage = p->view->coverage.data ? &p->view->coverage : NULL;
+    p->ok[i] = !*p->paths[i] || write_picture(&p->view->images[i], coverage, p->paths[i], &p->errors[i]);
+}
+
+static bool write_pictures(Writer *writer, const FfpView *view, json_t *images, FfpError *err) {
+    const FfpCapture *capture = writer->capture;
+    const size_t n = (size_t)capture->n_patterns;
+    const Pictures p = {view, ffp_alloc(n, sizeof *p.paths), ffp_alloc(n, sizeof *p.errors),
+                        ffp_alloc(n, sizeof *p.ok)};
+    bool ok = true;
+    for (size_t i = 0; i < n && ok; i++) {
+        char name[2 * FFP_NAME_MAX + 8];
+        if (!view->images[i].data) continue;
+        snprintf(name, sizeof name, "%s_%s.png", view->id, capture->patterns[i].name);
+        ok = claim(writer, name, p.paths[i], err);
+        json_object_set_new(images, capture->patterns[i].name, json_string(name));
+    }
+    if (ok) ffp_parallel_for((int64_t)n, 0, write_one, (void *)&p);
+    for (size_t i = 0; i < n && ok; i++) {
+        ok = p.ok[i];
+        if (!ok && err) *err = p.errors[i];
+    }
+    ffp_free(p.paths), ffp_free(p.errors), ffp_free(p.ok);
+    return ok;
 }
 
 static bool write_whole_view(Writer *writer, const FfpView *view, json_t *views, FfpError *err) {
@@ -132,16 +186,8 @@ static bool write_whole_view(Writer *writer, const FfpView *view, json_t *views,
     json_object_set_new(json, "c2w", matrix(view->camera.pose));
     json_object_set_new(json, "p2w", matrix(view->projector.pose));
     json_object_set_new(json, "images", images);
-    for (int i = 0; i < capture->n_patterns; i++) {
-        if (!view->images[i].data) continue;
-        char name[2 * FFP_NAME_MAX + 8], path[FFP_PATH_MAX];
-        snprintf(name, sizeof name, "%s_%s.png", view->id, capture->patterns[i].name);
-        const FfpImage *coverage = view->coverage.data ? &view->coverage : NULL;
-        if (!claim(writer, name, path, err) || !write_picture(&view->images[i], coverage, path, err))
-            return false;
-        json_object_set_new(images, capture->patterns[i].name, json_string(name));
-    }
-    return write_maps(writer, view, json, err);
+    return write_pictures(writer, view, images, err) && write_positions(writer, view, json, err) &&
+           write_truth(writer, view, json, err);
 }
 
 static bool write_view(Writer *writer, const FfpView *view, json_t *views, FfpError *err) {

@@ -6,6 +6,8 @@
 
 #define ROUGHNESS 0.5F   // neither gloss nor chalk
 #define FLAT 0.01        // thickness of discs, as a share of their smallest radius
+#define FEW 16           // splats may be as large as all they show
+#define LARGE 0.1        // of the whole: where a splat is that large, it shows nothing
 #define LOG_ZERO (-80.0) // logarithms below are of scales that no float holds when squared
 
 void ffp_splats_begin(FfpSplatSet *set, FfpGaussians *gaussians, int64_t count, const char *path) {
@@ -53,8 +55,48 @@ void ffp_splats_add(FfpSplatSet *set, const float given[FFP_ROW_NUMBERS]) {
     if (!set->relightable) complete(gaussians, at);
 }
 
+// None of it is negative; notes whether there is any.
+static void settle_scattered(FfpGaussians *gaussians) {
+    gaussians->scatters = false;
+    for (int64_t i = 0; i < 3 * gaussians->count; i++) {
+        gaussians->scattered[i] = fmax(gaussians->scattered[i], (real)0);
+        gaussians->scatters |= gaussians->scattered[i] > 0;
+    }
+}
+
+void ffp_splats_note_rest(const char *path, int64_t bytes) {
+    ffp_note("%s: %lld bytes after its last splat are left out", ffp_basename(path), (long long)bytes);
+}
+
+// Some exporters write sizes and opacities themselves in place of their logarithms and logits: sizes are then
+// 1 and more, and opacities between those of the logits 0 and 1.
+static void note_plain_numbers(const FfpGaussians *gaussians, const char *name) {
+    real low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, whole = 0;
+    int64_t large = 0, middling = 0;
+    for (int64_t i = 0; i < 3 * gaussians->count; i++) {
+        low[i % 3] = fmin(low[i % 3], gaussians->centre[i]);
+        high[i % 3] = fmax(high[i % 3], gaussians->centre[i]);
+    }
+    for (int k = 0; k < 3; k++) whole += (high[k] - low[k]) * (high[k] - low[k]);
+    whole = sqrt(whole);
+    for (int64_t i = 0; i < gaussians->count; i++) {
+        const real *scale = gaussians->scale + 3 * i, opacity = gaussians->opacity[i];
+        large += fmax(fmax(scale[0], scale[1]), scale[2]) > (real)LARGE * whole;
+        middling += opacity >= (real)0.5 && opacity < (real)0.7311;
+    }
+    if (gaussians->count < FEW) return;
+    if (2 * large > gaussians->count)
+        ffp_note("%s: most splats are larger than a tenth of the whole: were sizes written in place of their "
+                 "logarithms?",
+                 name);
+    if (middling == gaussians->count)
+        ffp_note("%s: all opacities are between 0.5 and 0.73: were they written in place of their logits?",
+                 name);
+}
+
 static void note(const FfpSplatSet *set) {
     const char *name = ffp_basename(set->path);
+    if (!set->relightable) note_plain_numbers(set->gaussians, name);
     if (!set->relightable)
         ffp_note("%s: splats without material: their colour is taken as albedo and as ambient colour, "
                  "roughness as %g",
@@ -79,6 +121,7 @@ bool ffp_splats_end(FfpSplatSet *set, bool ok, FfpError *err) {
                       ffp_row_names[set->bad_number], (long long)set->bad, (long long)set->offered);
     if (ok) {
         set->gaussians->count = set->offered - set->bad;
+        settle_scattered(set->gaussians);
         note(set);
     } else {
         ffp_gaussians_free(set->gaussians);

@@ -27,10 +27,12 @@ void ffp_splats_begin(FfpSplatSet *set, FfpGaussians *gaussians, int64_t count, 
 // other one. Without a material the colour is light and material in one: it becomes both the albedo (within
 // [0,1]) and, as it looks without a projector, the ambient colour; the roughness becomes 0.5.
 void ffp_splats_add(FfpSplatSet *set, const float given[FFP_ROW_NUMBERS]);
-// Notes what was assumed and left out. False, without a set, if the reader failed (`ok` is false) or more
-// than a tenth of the rows are bad; the error names the first of them.
+// Notes what was assumed and left out, and sizes and opacities that look as if they were not encoded. False,
+// without a set, if the reader failed (`ok` is false) or more than a tenth of the rows are bad; the error
+// names the first of them.
 bool ffp_splats_end(FfpSplatSet *set, bool ok, FfpError *err);
-double ffp_opacity_logit(double share); // of an opacity; infinite for 0 and 1
+void ffp_splats_note_rest(const char *path, int64_t bytes); // that a file goes on behind its splats
+double ffp_opacity_logit(double share);                     // of an opacity; infinite for 0 and 1
 
 // The extension of glTF that splats are in.
 #define FFP_SPLAT_EXTENSION "KHR_gaussian_splatting"
@@ -44,13 +46,20 @@ double ffp_opacity_logit(double share); // of an opacity; infinite for 0 and 1
 // PLY with 3DGS's properties, or compressed as SuperSplat does: see ply_read.c.
 bool ffp_gaussians_read_ply(FfpGaussians *gaussians, const char *path, FfpError *err);
 // SPZ, versions 1 to 4, as Niantic published it (github.com/nianticlabs/spz, README); versions 2 and 3 also
-// without gzip around them. Spherical harmonics beyond the constant are not used. Errors: another magic or
+// without gzip around them. Splats that are in other axes than SPZ's own by an extension (extensions/README)
+// are turned into those. Spherical harmonics beyond the constant are not used. Errors: another magic or
 // version, counts beyond the file or FFP_GAUSSIANS_MAX, data that ends early or differs from its checksum.
+typedef struct FfpSpz FfpSpz;
+FfpSpz *ffp_spz_open(const void *bytes, size_t size, const char *path, FfpError *err);
+void ffp_spz_close(FfpSpz *spz); // NULL is allowed
+int64_t ffp_spz_count(const FfpSpz *spz);
+bool ffp_spz_has_harmonics(const FfpSpz *spz);
+void ffp_spz_row(const FfpSpz *spz, int64_t at, float row[FFP_ROW_NUMBERS]);
 bool ffp_gaussians_read_spz(FfpGaussians *gaussians, const char *path, FfpError *err);
 // glTF 2.0, JSON or GLB, with KHR_gaussian_splatting (github.com/KhronosGroup/glTF, extensions): every
 // primitive that has it, under its nodes' transforms. Attributes are floats or integers, in the GLB's own
-// buffer, in data URIs or in files beside or below the JSON. Errors: no such primitive; compressed splats;
-// sizes beyond the buffers.
+// buffer, in data URIs or in files beside or below the JSON, or an SPZ in one of them. Errors: no such
+// primitive; splats compressed otherwise; sizes beyond the buffers.
 bool ffp_gaussians_read_gltf(FfpGaussians *gaussians, const char *path, FfpError *err);
 // .splat (github.com/antimatter15/splat): rows of 32 bytes without a header.
 bool ffp_gaussians_read_splat(FfpGaussians *gaussians, const char *path, FfpError *err);

@@ -12,6 +12,7 @@ const FfpAttributeForm ffp_attributes[FFP_ATTRIBUTES] = {
     [FFP_ALBEDO] = {"albedo", 3, offsetof(FfpGaussians, albedo)},
     [FFP_ROUGHNESS] = {"roughness", 1, offsetof(FfpGaussians, roughness)},
     [FFP_AMBIENT] = {"ambient", 3, offsetof(FfpGaussians, ambient)},
+    [FFP_SCATTERED] = {"scattered", 3, offsetof(FfpGaussians, scattered)},
 };
 
 static real **array_of(FfpGaussians *gaussians, int attribute) {
@@ -34,12 +35,18 @@ FfpGaussians ffp_gaussians_new(int64_t count) {
     return new;
 }
 
+void ffp_gaussians_take_notes(FfpGaussians *to, const FfpGaussians *from) {
+    to->baked = from->baked;
+    to->scatters = from->scatters;
+}
+
 FfpGaussians ffp_gaussians_copy(const FfpGaussians *from) {
     FfpGaussians to = ffp_gaussians_new(from->count);
     for (int a = 0; a < FFP_ATTRIBUTES; a++)
-        ffp_memory_copy(ffp_attribute(&to, a).data, ffp_attribute(from, a).data, bytes_of(from, a));
+        if (ffp_attribute(from, a).data)
+            ffp_memory_copy(ffp_attribute(&to, a).data, ffp_attribute(from, a).data, bytes_of(from, a));
     memcpy(to.made_from, from->made_from, sizeof to.made_from);
-    to.baked = from->baked;
+    ffp_gaussians_take_notes(&to, from);
     return to;
 }
 
@@ -63,22 +70,27 @@ void ffp_gaussians_clear(FfpGaussians *gaussians) {
 }
 
 FfpGaussians ffp_gaussians_uploaded(const FfpGaussians *host) {
-    FfpGaussians there = {.count = host->count, .baked = host->baked};
+    FfpGaussians there = {.count = host->count};
+    ffp_gaussians_take_notes(&there, host);
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute from = ffp_attribute(host, a);
-        *array_of(&there, a) =
-            ffp_memory_uploaded(from.data, (size_t)host->count, (size_t)from.width * sizeof(real));
+        if (from.data)
+            *array_of(&there, a) =
+                ffp_memory_uploaded(from.data, (size_t)host->count, (size_t)from.width * sizeof(real));
     }
     return there;
 }
 
 void ffp_gaussians_download(FfpGaussians *host, const FfpGaussians *gaussians) {
     for (int a = 0; a < FFP_ATTRIBUTES; a++)
-        ffp_memory_download(ffp_attribute(host, a).data, ffp_attribute(gaussians, a).data, bytes_of(host, a));
+        if (ffp_attribute(gaussians, a).data)
+            ffp_memory_download(ffp_attribute(host, a).data, ffp_attribute(gaussians, a).data,
+                                bytes_of(host, a));
 }
 
 FfpGaussians ffp_gaussians_downloaded(const FfpGaussians *gaussians) {
-    FfpGaussians host = {.count = gaussians->count, .baked = gaussians->baked};
+    FfpGaussians host = {.count = gaussians->count};
+    ffp_gaussians_take_notes(&host, gaussians);
     for (int a = 0; a < FFP_ATTRIBUTES; a++)
         *array_of(&host, a) =
             ffp_alloc((size_t)gaussians->count, (size_t)ffp_attributes[a].width * sizeof(real));

@@ -20,13 +20,17 @@ typedef struct FfpBakedShadows {
 
 typedef struct FfpGaussians {
     int64_t count;
-    real *centre;                  // [count,3] world
-    real *scale;                   // [count,3] standard deviations along the rotated axes, world units, > 0
-    real *rotation;                // [count,4] unit quaternion w x y z: splat axes to world
-    real *opacity;                 // [count]   in [0,1]
-    real *albedo;                  // [count,3] linear diffuse albedo
-    real *roughness;               // [count]
-    real *ambient;                 // [count,3] linear radiance shown when the projector is black
+    real *centre;    // [count,3] world
+    real *scale;     // [count,3] standard deviations along the rotated axes, world units, > 0
+    real *rotation;  // [count,4] unit quaternion w x y z: splat axes to world
+    real *opacity;   // [count]   in [0,1]
+    real *albedo;    // [count,3] linear diffuse albedo
+    real *roughness; // [count]
+    real *ambient;   // [count,3] linear radiance shown when the projector is black
+    real *scattered; // [count,3] linear radiance that a white pattern adds in other ways than by its direct
+                     // ray (bounces, light within things and lenses): it follows the pattern's mean. NULL is
+                     // allowed where it is not looked at:
+    bool scatters;   // any of it is above 0
     char made_from[FFP_MADE_FROM]; // structured-light patterns whose photographs they were fitted to, each
                                    // name with a '\n' after it; "": not known
     FfpBakedShadows baked;
@@ -42,6 +46,7 @@ enum {
     FFP_ALBEDO,
     FFP_ROUGHNESS,
     FFP_AMBIENT,
+    FFP_SCATTERED,
     FFP_ATTRIBUTES
 };
 typedef struct FfpAttributeForm {
@@ -61,6 +66,8 @@ FfpAttribute ffp_attribute(const FfpGaussians *gaussians, int attribute);
 // here work on the CPU.
 FfpGaussians ffp_gaussians_new(int64_t count); // zeroed; also used for gradients, which have the same shape
 FfpGaussians ffp_gaussians_copy(const FfpGaussians *from);
+// Copies the numbers that hold for the whole set: baked and scatters.
+void ffp_gaussians_take_notes(FfpGaussians *to, const FfpGaussians *from);
 void ffp_gaussians_free(FfpGaussians *gaussians);
 void ffp_gaussians_clear(FfpGaussians *gaussians); // all numbers become 0
 // Copies the CPU's set to the device in use, and back; on the CPU these are plain copies. A downloaded set
@@ -79,7 +86,8 @@ bool ffp_shadows_are_baked(const FfpGaussians *gaussians, const real pose[16]);
 // others keep their order. None is taken out where all are that faint.
 void ffp_gaussians_keep_drawn(FfpGaussians *gaussians);
 
-// Binary little-endian PLY with the 3DGS property names, plus base_color_0..2 and roughness (see
+// Binary little-endian PLY with the 3DGS property names, plus base_color_0..2, roughness and, where any
+// light is scattered, scattered_0..2 (see
 // docs/reference/formats/gaussians.md): opens in splat viewers and reads back exactly in fp32 up to the
 // logit/log encodings. Values are checked when read: counts, sizes, finite numbers. Splats of opacity below
 // `opacity_min` are left out when writing (0 keeps all). Plain splats of other programs (3DGS, 2DGS, gsplat)

@@ -15,6 +15,7 @@
 #define CHUNK_HEAD 8
 #define CHUNK_JSON 0x4e4f534aU
 #define CHUNK_BINARY 0x004e4942U
+#define PACKED "KHR_gaussian_splatting_compression_spz_2"
 enum { BUFFERS_MAX = 16, DEPTH_MAX = 64, SETS_MAX = 65536, KIND_FLOAT = 5126 };
 
 typedef struct Buffer {
@@ -68,6 +69,11 @@ static bool open_binary(Gltf *gltf, const unsigned char *bytes, size_t size, Ffp
     const char *json = NULL;
     size_t json_size = 0;
     if (size < GLB_HEAD || get_u32(bytes + 4) != 2) return fail(gltf, err, "is not glTF of version 2");
+    const size_t told = get_u32(bytes + 8);
+    if (told >= GLB_HEAD && told < size) {
+        ffp_splats_note_rest(gltf->path, (int64_t)(size - told));
+        size = told;
+    }
     while (size - at >= CHUNK_HEAD) {
         const size_t length = get_u32(bytes + at);
         const uint32_t kind = get_u32(bytes + at + 4);
@@ -174,20 +180,31 @@ static int width_of(const char *type) {
     return 0;
 }
 
-static bool lies_inside(const Gltf *gltf, const json_t *view, int64_t offset, Numbers *out) {
+// A part of a buffer; false if it does not lie inside one.
+static bool find_view(const Gltf *gltf, const json_t *view, Buffer *out) {
     const int64_t buffer = whole(view, "buffer", -1), begin = whole(view, "byteOffset", 0),
                   length = whole(view, "byteLength", -1);
-    const int64_t element = (int64_t)bytes_of(out->kind) * out->width,
-                  stride = whole(view, "byteStride", element);
-    if (buffer < 0 || buffer >= gltf->n_buffers || begin < 0 || length < 0 || stride < element ||
-        stride > 65536 || offset < 0)
-        return false;
+    if (buffer < 0 || buffer >= gltf->n_buffers || begin < 0 || length < 0) return false;
     const Buffer *from = &gltf->buffers[buffer];
     const int64_t size = (int64_t)from->size;
-    if (begin > size || length > size - begin || offset > length) return false;
-    if (out->count > 0 && !from->bytes) return false;
+    if (begin > size || length > size - begin) return false;
+    *out = (Buffer){from->bytes ? from->bytes + begin : NULL, (size_t)length, NULL};
+    return true;
+}
+
+static const json_t *view_at(const Gltf *gltf, int64_t index) {
+    return index < 0 ? NULL : json_array_get(json_object_get(gltf->root, "bufferViews"), (size_t)index);
+}
+
+static bool lies_inside(const Gltf *gltf, const json_t *view, int64_t offset, Numbers *out) {
+    Buffer from;
+    const int64_t element = (int64_t)bytes_of(out->kind) * out->width,
+                  stride = whole(view, "byteStride", element);
+    if (!find_view(gltf, view, &from) || stride < element || stride > 65536 || offset < 0) return false;
+    const int64_t length = (int64_t)from.size;
+    if (offset > length || (out->count > 0 && !from.bytes)) return false;
     if (out->count > 0 && (out->count - 1) * stride + element > length - offset) return false;
-    out->bytes = from->bytes ? from->bytes + begin + offset : NULL;
+    out->bytes = from.bytes ? from.bytes + offset : NULL;
     out->stride = (size_t)stride;
     return true;
 }
@@ -213,9 +230,7 @@ static bool find_numbers(const Gltf *gltf, const json_t *attributes, const char 
                      .count = whole(accessor, "count", -1)};
     const bool sound = bytes_of(out->kind) > 0 && out->width == width && out->count >= 0 &&
                        out->count <= FFP_GAUSSIANS_MAX && view >= 0;
-    const json_t *of =
-        view < 0 ? NULL : json_array_get(json_object_get(gltf->root, "bufferViews"), (size_t)view);
-    if (sound && lies_inside(gltf, of, whole(accessor, "byteOffset", 0), out)) return true;
+    if (sound && lies_inside(gltf, view_at(gltf, view), whole(accessor, "byteOffset", 0), out)) return true;
     ffp_fail(err, FFP_ERROR_FILE, gltf->path,
              "attribute %s: its accessor does not give %d numbers a splat inside a buffer", name, width);
     return false;
@@ -247,6 +262,8 @@ static double number_at(const Numbers *numbers, int64_t i, int c) {
 
 typedef struct Splats {
     Numbers position, rotation, scale, opacity, colour;
+    FfpSpz *packed; // holds them all; otherwise NULL
+    int64_t count;
     bool linear;    // the colour is linear light
     bool harmonics; // beyond the constant
 } Splats;
@@ -258,6 +275,7 @@ static bool check_extension(const Gltf *gltf, const json_t *how, FfpError *err) 
     json_t *of = json_object_get(how, "extensions"), *value;
     const char *other = kernel && strcmp(kernel, "ellipse") != 0 ? kernel : NULL;
     json_object_foreach(of, name, value) {
+        if (strcmp(name, PACKED) == 0) continue;
         if (strstr(name, "compression")) {
             ffp_fail(err, FFP_ERROR_UNSUPPORTED, gltf->path,
                      "its splats are compressed (%.60s): export them uncompressed, or as SPZ", name);
@@ -273,7 +291,8 @@ static bool check_extension(const Gltf *gltf, const json_t *how, FfpError *err) 
 
 // Whoever does not know an extension that a file requires shall not read the file (glTF 2.0, 3.12).
 static bool check_required(const Gltf *gltf, FfpError *err) {
-    static const char *const known[] = {FFP_SPLAT_EXTENSION, "KHR_materials_unlit", "KHR_mesh_quantization"};
+    static const char *const known[] = {FFP_SPLAT_EXTENSION, PACKED, "KHR_materials_unlit",
+                                        "KHR_mesh_quantization"};
     const json_t *list = json_object_get(gltf->root, "extensionsRequired");
     for (size_t i = 0; i < json_array_size(list); i++) {
         const char *name = json_string_value(json_array_get(list, i));
@@ -288,25 +307,44 @@ static bool check_required(const Gltf *gltf, FfpError *err) {
     return true;
 }
 
+// Splats in an SPZ file, which a view of a buffer holds; what the accessors say of them is not looked at.
+static bool open_packed(const Gltf *gltf, const json_t *packed, Splats *splats, FfpError *err) {
+    Buffer bytes;
+    if (!find_view(gltf, view_at(gltf, whole(packed, "bufferView", -1)), &bytes) || !bytes.bytes)
+        return fail(gltf, err, PACKED ": its bufferView is not inside a buffer");
+    splats->packed = ffp_spz_open(bytes.bytes, bytes.size, gltf->path, err);
+    if (!splats->packed) return false;
+    splats->count = ffp_spz_count(splats->packed);
+    splats->harmonics = ffp_spz_has_harmonics(splats->packed);
+    return true;
+}
+
 static bool find_splats(const Gltf *gltf, const json_t *primitive, Splats *splats, FfpError *err) {
     const json_t *how = json_object_get(json_object_get(primitive, "extensions"), FFP_SPLAT_EXTENSION);
     const char *space = json_string_value(json_object_get(how, "colorSpace"));
-    const json_t *of = json_object_get(primitive, "attributes");
+    const json_t *of = json_object_get(primitive, "attributes"),
+                 *packed = json_object_get(json_object_get(how, "extensions"), PACKED);
     splats->linear = space && strncmp(space, "lin_", 4) == 0;
     splats->harmonics = json_object_get(of, FFP_SPLAT_EXTENSION ":SH_DEGREE_1_COEF_0") != NULL;
-    if (!check_extension(gltf, how, err) || !find_numbers(gltf, of, "POSITION", 3, &splats->position, err) ||
+    if (!check_extension(gltf, how, err)) return false;
+    if (packed) return open_packed(gltf, packed, splats, err);
+    if (!find_numbers(gltf, of, "POSITION", 3, &splats->position, err) ||
         !find_numbers(gltf, of, FFP_SPLAT_EXTENSION ":ROTATION", 4, &splats->rotation, err) ||
         !find_numbers(gltf, of, FFP_SPLAT_EXTENSION ":SCALE", 3, &splats->scale, err) ||
         !find_numbers(gltf, of, FFP_SPLAT_EXTENSION ":OPACITY", 1, &splats->opacity, err) ||
         !find_numbers(gltf, of, FFP_SPLAT_EXTENSION ":SH_DEGREE_0_COEF_0", 3, &splats->colour, err))
         return false;
-    const int64_t n = splats->position.count;
+    const int64_t n = splats->count = splats->position.count;
     return (splats->rotation.count == n && splats->scale.count == n && splats->opacity.count == n &&
             splats->colour.count == n) ||
            fail(gltf, err, "its attributes have different counts");
 }
 
 static void get_row(const Splats *splats, int64_t i, float row[FFP_ROW_NUMBERS]) {
+    if (splats->packed) {
+        ffp_spz_row(splats->packed, i, row);
+        return;
+    }
     memset(row, 0, FFP_ROW_NUMBERS * sizeof *row);
     for (int k = 0; k < 3; k++) {
         row[FFP_ROW_POSITION + k] = (float)number_at(&splats->position, i, k);
@@ -418,7 +456,7 @@ static bool add_mesh(const Gltf *gltf, Scene *scene, json_int_t mesh, const Plac
         Placed *placed = &scene->placed[scene->count++];
         *placed = *where;
         if (!find_splats(gltf, primitive, &placed->splats, err)) return false;
-        scene->splats += placed->splats.position.count;
+        scene->splats += placed->splats.count;
         if (scene->splats > FFP_GAUSSIANS_MAX) return fail(gltf, err, "holds too many splats");
     }
     return true;
@@ -469,7 +507,7 @@ static bool read_splats(FfpGaussians *gaussians, const Gltf *gltf, FfpError *err
         const Placed *placed = &scene.placed[p];
         set.linear = placed->splats.linear;
         set.harmonics |= placed->splats.harmonics;
-        for (int64_t i = 0; i < placed->splats.position.count; i++) {
+        for (int64_t i = 0; i < placed->splats.count; i++) {
             float row[FFP_ROW_NUMBERS];
             get_row(&placed->splats, i, row);
             if (placed->moved) ffp_affine_move(&placed->to_world, row);
@@ -477,6 +515,7 @@ static bool read_splats(FfpGaussians *gaussians, const Gltf *gltf, FfpError *err
         }
     }
     ok = ok && ffp_splats_end(&set, true, err);
+    for (int p = 0; p < scene.count; p++) ffp_spz_close(scene.placed[p].splats.packed);
     ffp_free(scene.placed);
     ffp_free(parents);
     return ok;

@@ -20,7 +20,7 @@ typedef unsigned char RowBytes[4 * FFP_ROW_NUMBERS];
 static int print_row(const FfpGaussians *gaussians, int64_t index, RowBytes bytes) {
     float row[FFP_ROW_NUMBERS];
     ffp_row_encode(gaussians, index, row);
-    for (int c = 0; c < FFP_ROW_NUMBERS; c++) put_float(bytes + 4 * c, row[c]);
+    for (int c = 0; c < ffp_row_numbers(gaussians); c++) put_float(bytes + 4 * c, row[c]);
     return ffp_row_refused(row);
 }
 
@@ -30,6 +30,7 @@ static bool write_rows(FILE *stream, const FfpGaussians *gaussians, const char *
     enum { ROWS = 8192 };
     RowBytes *rows = ffp_take(ROWS, sizeof *rows);
     int *bad = ffp_take(ROWS, sizeof *bad);
+    const size_t bytes = 4 * (size_t)ffp_row_numbers(gaussians);
     bool ok = true;
     for (int64_t done = 0; ok && done < gaussians->count; done += ROWS) {
         const int64_t left = gaussians->count - done, n = left < ROWS ? left : ROWS;
@@ -42,7 +43,7 @@ static bool write_rows(FILE *stream, const FfpGaussians *gaussians, const char *
             if (bad[r] >= 0)
                 ok = ffp_fail(err, FFP_ERROR_FILE, path, "refusing to write a Gaussian with an invalid %s",
                               ffp_row_names[bad[r]]);
-            else if (fwrite(rows[r], sizeof rows[r], 1, stream) != 1)
+            else if (fwrite(rows[r], bytes, 1, stream) != 1)
                 ok = ffp_fail(err, FFP_ERROR_IO, path, "cannot write");
         }
     }

@@ -173,6 +173,7 @@ void ffp_ply_header_write(FILE *stream, int64_t count, const FfpGaussians *gauss
     for (const char *at = gaussians->made_from; *at; at = strchr(at, '\n') + 1)
         fprintf(stream, "%s%.*s\n", PATTERN, (int)strcspn(at, "\n"), at);
     fprintf(stream, "element vertex %" PRId64 "\n", count);
-    for (int i = 0; i < FFP_ROW_NUMBERS; i++) fprintf(stream, "property float %s\n", ffp_row_names[i]);
+    for (int i = 0; i < ffp_row_numbers(gaussians); i++)
+        fprintf(stream, "property float %s\n", ffp_row_names[i]);
     fprintf(stream, "end_header\n");
 }

@@ -60,7 +60,7 @@ const FfpPlyElement *ffp_ply_element(const FfpPly *ply, const char *name); // NU
 int ffp_ply_find(const FfpPly *ply, const FfpPlyElement *element, const char *name);
 
 // Checks that the rows fit into what follows the header, so that a count can never ask for more memory than
-// the file's size warrants; without lists and text they must fill it to the last byte.
+// the file's size warrants. A note counts the bytes that are left, unless there are lists or text.
 bool ffp_ply_check_size(const FfpPly *ply, FILE *stream, const char *path, FfpError *err);
 // The next row of the element: one number for each property (room for FFP_PLY_PROPERTIES), for a list its
 // length. Error: the file ends, or holds text that is not a number.

@@ -65,7 +65,8 @@ static bool find_columns(Columns *columns, const FfpPly *ply, const FfpPlyElemen
         columns->rests++;
     const bool coloured = columns->number[FFP_ROW_AMBIENT] < 0 && find_colours(columns, ply, vertex);
     for (int i = 0; i < FFP_ROW_NUMBERS; i++) {
-        const bool optional = i == FFP_ROW_SCALE + 2 || (i >= FFP_ROW_ALBEDO && !columns->relightable) ||
+        const bool optional = i == FFP_ROW_SCALE + 2 || i >= FFP_ROW_SCATTERED ||
+                              (i >= FFP_ROW_ALBEDO && !columns->relightable) ||
                               (i >= FFP_ROW_AMBIENT && i < FFP_ROW_AMBIENT + 3 && coloured);
         if (columns->number[i] < 0 && !optional) return refuse(ply, columns, i, path, err);
         if (!check_single(ply, vertex, columns->number[i], path, err)) return false;

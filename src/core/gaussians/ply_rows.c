@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "core/base/file.h"
+#include "core/gaussians/elsewhere.h"
 #include "core/gaussians/ply_header.h"
 
 enum { WORD_BYTES = 64 };
@@ -30,7 +31,8 @@ bool ffp_ply_check_size(const FfpPly *ply, FILE *stream, const char *path, FfpEr
             return ffp_fail(err, FFP_ERROR_FILE, path, "element %s has no property", element->name);
         want += element->count * (text ? 2 * element->properties : element->stride);
     }
-    if (text || has_lists(ply) ? rest >= want : rest == want) return true;
+    if (rest > want && !text && !has_lists(ply)) ffp_splats_note_rest(path, rest - want);
+    if (rest >= want) return true;
     return ffp_fail(err, FFP_ERROR_FILE, path,
                     "its header asks for %lld bytes after it, but the file has %lld", (long long)want,
                     (long long)rest);
@@ -61,6 +63,20 @@ static double decode(const unsigned char *bytes, FfpPlyType type, FfpPlyEncoding
     }
 }
 
+// The words of older Microsoft libraries for nan and inf, behind the 1 that strtod takes: "1.#QNAN",
+// "-1.#IND00", "1.#INF", "1.#J" (inf with few digits).
+static bool read_old_nan(const char *rest, double *value) {
+    static const char *const words[] = {"#INF", "#J", "#QNAN", "#SNAN", "#IND"};
+    if (fabs(*value) != 1) return false;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        const size_t length = strlen(words[i]);
+        if (strncmp(rest, words[i], length) != 0 || rest[length + strspn(rest + length, "0")]) continue;
+        *value = i < 2 ? copysign(INFINITY, *value) : NAN;
+        return true;
+    }
+    return false;
+}
+
 // One number of a text; nan and inf are what other programs write for them.
 static bool read_word(FILE *stream, double *value) {
     char word[WORD_BYTES], *end;
@@ -69,7 +85,7 @@ static bool read_word(FILE *stream, double *value) {
     for (; c != EOF && c > ' ' && n < WORD_BYTES - 1; c = getc(stream)) word[n++] = (char)c;
     word[n] = 0;
     *value = strtod(word, &end);
-    return n > 0 && *end == 0 && (c == EOF || c <= ' ');
+    return n > 0 && (*end == 0 || read_old_nan(end, value)) && (c == EOF || c <= ' ');
 }
 
 static bool read_number(const FfpPly *ply, FfpPlyType type, FILE *stream, double *value) {

@@ -25,7 +25,10 @@ const char *const ffp_row_names[FFP_ROW_NUMBERS] = {"x",
                                                     "base_color_0",
                                                     "base_color_1",
                                                     "base_color_2",
-                                                    "roughness"};
+                                                    "roughness",
+                                                    "scattered_0",
+                                                    "scattered_1",
+                                                    "scattered_2"};
 
 // The sRGB curve (IEC 61966-2-1), going on above 1 and mirrored below 0 so that every radiance reads back.
 static double encode_colour(double c) {
@@ -77,6 +80,7 @@ static const Column columns[FFP_ATTRIBUTES] = {
     [FFP_ALBEDO] = {FFP_ROW_ALBEDO, logit, sigmoid, FLT_MAX},
     [FFP_ROUGHNESS] = {FFP_ROW_ROUGHNESS, logit, sigmoid, FLT_MAX},
     [FFP_AMBIENT] = {FFP_ROW_AMBIENT, encode_ambient, decode_ambient, AMBIENT_MAX},
+    [FFP_SCATTERED] = {FFP_ROW_SCATTERED, as_it_is, as_it_is, AMBIENT_MAX},
 };
 
 void ffp_row_encode(const FfpGaussians *gaussians, int64_t index, float row[FFP_ROW_NUMBERS]) {

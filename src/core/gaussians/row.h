@@ -1,4 +1,4 @@
-// One Gaussian as the 18 numbers of a row in the PLY file, in the encodings of 3DGS and GS-ProCams.
+// One Gaussian as the numbers of a row in the PLY file, in the encodings of 3DGS and GS-ProCams.
 #ifndef FFP_GAUSSIANS_ROW_H
 #define FFP_GAUSSIANS_ROW_H
 
@@ -15,8 +15,14 @@ enum {
     FFP_ROW_ROTATION = 10,
     FFP_ROW_ALBEDO = 14,
     FFP_ROW_ROUGHNESS = 17,
-    FFP_ROW_NUMBERS = 18
+    FFP_ROW_SCATTERED = 18, // only in files of Gaussians that scatter light
+    FFP_ROW_NUMBERS = 21
 };
+
+// How many of them a file of these Gaussians has.
+static inline int ffp_row_numbers(const FfpGaussians *gaussians) {
+    return gaussians->scatters ? FFP_ROW_NUMBERS : FFP_ROW_SCATTERED;
+}
 
 // Name of the i-th number as a PLY property.
 extern const char *const ffp_row_names[FFP_ROW_NUMBERS];

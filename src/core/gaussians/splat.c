@@ -33,9 +33,8 @@ bool ffp_gaussians_read_splat(FfpGaussians *gaussians, const char *path, FfpErro
     if (!ffp_read_file(path, FFP_SPLAT_FILE_MAX, &data, &size, err)) return false;
     const size_t count = size / ROW_BYTES;
     bool ok =
-        (size % ROW_BYTES == 0 ||
-         ffp_fail(err, FFP_ERROR_FILE, path, "its %zu bytes are not rows of %d, as those of .splat", size,
-                  ROW_BYTES)) &&
+        (count > 0 || ffp_fail(err, FFP_ERROR_FILE, path,
+                               "its %zu bytes are not rows of %d, as those of .splat", size, ROW_BYTES)) &&
         (count <= FFP_GAUSSIANS_MAX ||
          ffp_fail(err, FFP_ERROR_FILE, path, "%zu Gaussians are not in 0..%d", count, FFP_GAUSSIANS_MAX));
     if (ok) {
@@ -47,6 +46,7 @@ bool ffp_gaussians_read_splat(FfpGaussians *gaussians, const char *path, FfpErro
             ffp_splats_add(&set, row);
         }
         ok = ffp_splats_end(&set, true, err);
+        if (ok && size % ROW_BYTES) ffp_splats_note_rest(path, (int64_t)(size % ROW_BYTES));
     }
     ffp_free(data);
     return ok;

@@ -15,6 +15,7 @@ typedef struct FfpColourProfile {
     double gamma;                  // light is the value to this power; 0: sRGB's curve
     double white[2], primaries[6]; // CIE x y
     bool hdr;                      // HLG or PQ
+    const char *name;              // NULL: it has none
 } FfpColourProfile;
 
 typedef struct FfpDecoded {
@@ -77,8 +78,10 @@ bool ffp_tiff_is_raw(const FfpEncoded *file);        // DNG, NEF, ARW and the li
 
 // The orientation tag (1 to 8) of EXIF data, which begin with a TIFF header; 1 where there is none.
 int ffp_exif_orientation(const unsigned char *bytes, size_t size);
-// The focal length as that of a 35 mm camera, mm; 0 where they do not tell.
-int ffp_exif_focal_35mm(const unsigned char *bytes, size_t size);
+FfpTakenBy ffp_exif_taken_by(const unsigned char *bytes, size_t size);
+// True if they say Adobe RGB: by the colour space 2 of some cameras, or by "R03" as their rule of
+// interoperability (DCF 2.0, JEITA CP-3461B).
+bool ffp_exif_is_adobe_rgb(const unsigned char *bytes, size_t size);
 // Rotates or mirrors a picture as the tag says, into new memory or given memory of its size, and likewise a
 // size given by a file.
 void ffp_orient(FfpImage *image, int orientation);

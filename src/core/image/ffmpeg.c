@@ -32,17 +32,31 @@ bool ffp_ffmpeg_makes(const char *path) {
     return find_format(path) != NULL;
 }
 
-bool ffp_ffmpeg_start(FfpProcess **ffmpeg, const char *path, const char *file, int width, int height,
-                      int rate, FfpError *err) {
+bool ffp_ffmpeg_sounds(const char *path) {
     const struct Format *format = find_format(path);
-    char size[32], speed[16], output[2 * FFP_PATH_MAX];
-    const char *arguments[OPTIONS_MAX + 24] = {"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin",
+    return format && strcmp(format->ending, ".gif") != 0;
+}
+
+bool ffp_ffmpeg_start(FfpProcess **ffmpeg, const char *path, const char *file, int width, int height,
+                      FfpRate rate, const FfpFrames *sound, FfpError *err) {
+    const struct Format *format = find_format(path);
+    char size[32], speed[FFP_STREAM_WORD], output[2 * FFP_PATH_MAX], from[32], length[32],
+        film[FFP_PATH_MAX + 8];
+    const char *arguments[OPTIONS_MAX + 36] = {"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin",
                                                "-f",     "rawvideo",     "-pix_fmt",  "rgb24", "-s",
                                                size,     "-r",           speed,       "-i",    "pipe:0"};
     int n = 15;
     snprintf(size, sizeof size, "%dx%d", width, height);
-    snprintf(speed, sizeof speed, "%d", rate);
+    ffp_rate_print(rate, speed);
     snprintf(output, sizeof output, "file:%s", file);
+    if (sound) {
+        snprintf(film, sizeof film, "file:%s", sound->file);
+        snprintf(from, sizeof from, "%.6f", sound->from);
+        snprintf(length, sizeof length, "%.6f", sound->length);
+        const char *const more[] = {"-ss", from, "-t", length, "-i", film, "-map", "0:v", "-map", "1:a:0"};
+        for (size_t i = 0; i < sizeof more / sizeof *more; i++)
+            if (sound->length > 0 || (i != 2 && i != 3)) arguments[n++] = more[i];
+    }
     for (int i = 0; format->options[i]; i++)
         arguments[n++] = format->options[i] == even && (width % 2 || height % 2) ? odd : format->options[i];
     arguments[n++] = "-y";

@@ -4,6 +4,7 @@
 #include <strings.h>
 #include <zlib.h>
 #include "core/base/alloc.h"
+#include "core/base/log.h"
 #include "core/image/ffmpeg.h"
 
 // --- Animated PNG. ---
@@ -48,9 +49,8 @@ static void put_frame_control(FfpFilm *film) {
     put_u32(data, film->sequence++);
     put_u32(data + 4, (uint32_t)film->width);
     put_u32(data + 8, (uint32_t)film->height);
-    data[21] = 1; // the delay is 1 / rate
-    data[22] = (unsigned char)(film->rate >> 8);
-    data[23] = (unsigned char)film->rate;
+    const int delay[2] = {film->rate.seconds, film->rate.frames}; // as a fraction
+    for (int i = 0; i < 4; i++) data[20 + i] = (unsigned char)(delay[i / 2] >> (i % 2 ? 0 : 8));
     put_chunk(film->out.stream, "fcTL", data, sizeof data, NULL, 0);
 }
 
@@ -104,15 +104,24 @@ bool ffp_film_check(const char *path, FfpError *err) {
 }
 
 bool ffp_film_open(FfpFilm *film, const char *path, int frames, int rate, FfpError *err) {
-    *film = (FfpFilm){.frames = (uint32_t)frames, .rate = rate, .by_ffmpeg = ffp_ffmpeg_makes(path)};
+    *film = (FfpFilm){.frames = (uint32_t)frames, .rate = {rate, 1}, .by_ffmpeg = ffp_ffmpeg_makes(path)};
     return ffp_film_check(path, err) && ffp_output_open(&film->out, path, err);
+}
+
+void ffp_film_follow(FfpFilm *film, const FfpFrames *frames) {
+    film->rate = frames->rate;
+    if (frames->sound && film->by_ffmpeg && ffp_ffmpeg_sounds(film->out.path))
+        film->sound = frames;
+    else if (frames->sound)
+        ffp_note("%s: without the sound of %s: .mp4, .webm and .mkv take it", film->out.path,
+                 ffp_basename(frames->path));
 }
 
 // Values are multiples of 1/255 already (ffp_relight).
 static bool add_to_ffmpeg(FfpFilm *film, const FfpImage *encoded, FfpError *err) {
     const size_t count = (size_t)encoded->width * (size_t)encoded->height * 3;
     if (film->done == 0 && !ffp_ffmpeg_start(&film->ffmpeg, film->out.path, film->out.temporary,
-                                             encoded->width, encoded->height, film->rate, err))
+                                             encoded->width, encoded->height, film->rate, film->sound, err))
         return false;
     unsigned char *bytes = ffp_alloc(count, 1);
     for (size_t i = 0; i < count; i++) bytes[i] = (unsigned char)(encoded->data[i] * 255 + 0.5F);

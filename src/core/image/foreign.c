@@ -1,9 +1,13 @@
 // Files that people take for pictures this program reads: known by their first bytes, to say what helps.
 #include <string.h>
+#include <strings.h>
 #include "core/image/codec.h"
 
 #define SAVE "save it as PNG or TIFF", FFP_FOREIGN_OTHER
 #define SAVE_FILM "save it as PNG or TIFF", FFP_FOREIGN_FILM
+#define EXPORT "export it as PNG"
+#define DRAWN EXPORT, FFP_FOREIGN_OTHER
+#define ANY_26 "??????????????????????????" // of a ZIP's first entry, before its name
 #define DEVELOP "develop it to a 16-bit TIFF or PNG", FFP_FOREIGN_RAW
 #define EXTRACT "extract its frames, for example by ffmpeg -i FILE frame_%04d.png", FFP_FOREIGN_FILM
 
@@ -58,13 +62,70 @@ static const Foreign table[] = {
     {3, "P?\n", "a PBM, PGM or PPM picture", SAVE},
     {6, "\x93NUMPY", "a NumPy array", "save it as EXR, TIFF or PNG", FFP_FOREIGN_OTHER},
     {5, "%PDF-", "a PDF document", SAVE},
-    {4, "<svg", "an SVG drawing", "export it as PNG", FFP_FOREIGN_OTHER},
     {4, "ply\n", "a PLY file", "a picture is needed here", FFP_FOREIGN_OTHER},
+    {57, "PK\x03\x04" ANY_26 "mimetypeapplication/x-krita", "a Krita document", DRAWN},
+    {54, "PK\x03\x04" ANY_26 "mimetypeimage/openraster", "an OpenRaster document", DRAWN},
+    {8, "gimp xcf", "a GIMP document (XCF)", DRAWN},
+    {8, "CSFCHUNK", "a Clip Studio document", DRAWN},
+    {4, "\0\xffKA", "an Affinity document", DRAWN},
+    {4, "%!PS", "a PostScript drawing", DRAWN},
+    {4, "\xc5\xd0\xd3\xc6", "a PostScript drawing (EPS)", DRAWN},
+    {7, "BLENDER", "a Blender scene", DRAWN},
     {4, "PK\x03\x04", "a ZIP archive", "unpack it", FFP_FOREIGN_OTHER},
     {2, "\x1f\x8b", "a gzip archive", "unpack it", FFP_FOREIGN_OTHER},
     {17, "version https://g", "a Git LFS pointer in place of the file", "fetch it with git lfs pull",
      FFP_FOREIGN_OTHER},
 };
+
+// Drawing programs' own files. Their bytes tell less than their endings: many are ZIP archives.
+static const struct {
+    const char *ending, *name, *advice; // NULL: export it
+} natives[] = {
+    {".kra", "a Krita document", NULL},
+    {".ora", "an OpenRaster document", NULL},
+    {".procreate", "a Procreate document", NULL},
+    {".xcf", "a GIMP document (XCF)", NULL},
+    {".clip", "a Clip Studio document", NULL},
+    {".afphoto", "an Affinity document", NULL},
+    {".afdesign", "an Affinity document", NULL},
+    {".afpub", "an Affinity document", NULL},
+    {".af", "an Affinity document", NULL},
+    {".ai", "an Illustrator document", NULL},
+    {".eps", "a PostScript drawing (EPS)", NULL},
+    {".ps", "a PostScript drawing", NULL},
+    {".psb", "a Photoshop document (PSB)", NULL},
+    {".svgz", "an SVG drawing", NULL},
+    {".sketch", "a Sketch document", NULL},
+    {".cdr", "a CorelDRAW document", NULL},
+    {".blend", "a Blender scene", NULL},
+    {".pxd", "a Pixelmator document", NULL},
+    {".sai2", "a PaintTool SAI document", NULL},
+    {".pdn", "a Paint.NET document", NULL},
+    {".tga", "a TGA picture", NULL},
+    {".cube", "a table of colours (LUT)", "a picture is needed here"},
+};
+
+// -1: it has another ending.
+static int native_of(const char *path) {
+    const size_t length = strlen(path);
+    for (size_t i = 0; i < sizeof natives / sizeof *natives; i++) {
+        const size_t end = strlen(natives[i].ending);
+        if (length > end && strcasecmp(path + length - end, natives[i].ending) == 0) return (int)i;
+    }
+    return -1;
+}
+
+// XML declares itself, and comments come before what it holds.
+static bool is_svg(const FfpEncoded *file) {
+    enum { HEAD = 4096 };
+    const size_t size = file->size < HEAD ? file->size : HEAD;
+    size_t at = size > 3 && memcmp(file->data, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+    while (at < size && file->data[at] != 0 && strchr(" \t\r\n", file->data[at])) at++;
+    if (at == size || file->data[at] != '<') return false;
+    for (; at + 5 <= size && strncasecmp((const char *)file->data + at, "<html", 5) != 0; at++)
+        if (memcmp(file->data + at, "<svg", 4) == 0 && strchr(" \t\r\n>", file->data[at + 4])) return true;
+    return false;
+}
 
 static const Foreign *find(const FfpEncoded *file) {
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
@@ -89,6 +150,13 @@ FfpForeign ffp_foreign_kind(const FfpEncoded *head) {
 
 bool ffp_refuse_foreign(const FfpEncoded *file, FfpError *err) {
     const Foreign *kind = find(file);
+    Foreign other = {.name = "an SVG drawing", .advice = EXPORT};
+    const int native = native_of(file->path);
+    if (native >= 0) {
+        other.name = natives[native].name;
+        if (natives[native].advice) other.advice = natives[native].advice;
+    }
+    if (native >= 0 || is_svg(file)) kind = &other;
     if (!kind) return ffp_fail(err, FFP_ERROR_FILE, file->path, "is not a PNG, JPEG, TIFF or EXR image");
     return ffp_fail(err, FFP_ERROR_UNSUPPORTED, file->path, "is %s, which is not supported: %s", kind->name,
                     kind->advice);

@@ -77,16 +77,23 @@ static void bilinear_axis(real u, int n, int *first, int *second, real *weight) 
     *weight = x - (real)*first;
 }
 
-void ffp_image_sample(const FfpImage *image, real u, real v, real *out) {
+static inline void sample(const FfpImage *image, const size_t n, real u, real v, real *out) {
     int x0, x1, y0, y1;
     real a, b;
     bilinear_axis(u, image->width, &x0, &x1, &a);
     bilinear_axis(v, image->height, &y0, &y1, &b);
-    const size_t n = (size_t)image->channels, stride = n * (size_t)image->width;
+    const size_t stride = n * (size_t)image->width;
     const real *top = image->data + (size_t)y0 * stride, *bottom = image->data + (size_t)y1 * stride;
     const real *p00 = top + (size_t)x0 * n, *p10 = top + (size_t)x1 * n;
     const real *p01 = bottom + (size_t)x0 * n, *p11 = bottom + (size_t)x1 * n;
     for (size_t c = 0; c < n; c++) {
         out[c] = (p00[c] * (1 - a) + p10[c] * a) * (1 - b) + (p01[c] * (1 - a) + p11[c] * a) * b;
     }
+}
+
+void ffp_image_sample(const FfpImage *image, real u, real v, real *out) {
+    if (image->channels == 3)
+        sample(image, 3, u, v, out);
+    else
+        sample(image, (size_t)image->channels, u, v, out);
 }

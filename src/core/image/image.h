@@ -78,9 +78,14 @@ bool ffp_size_check(const FfpSize *size, int width, int height, const char *path
 bool ffp_image_has_ending(const char *name);
 // The orientation tag of a JPEG or TIFF, 1 to 8; 1: there is none, or the file cannot be read.
 int ffp_image_orientation(const char *path);
-// The focal length of a JPEG or TIFF as that of a 35 mm camera, mm; 0: it is not told, or the file cannot be
-// read.
-int ffp_image_focal_35mm(const char *path);
+// A camera's own words in a JPEG or TIFF (EXIF); "" and 0: it does not say, or the file cannot be read.
+enum { FFP_TAKEN_TEXT = 64 };
+typedef struct FfpTakenBy {
+    char model[FFP_TAKEN_TEXT], serial[FFP_TAKEN_TEXT], lens[FFP_TAKEN_TEXT]; // serial: number of the body
+    double focal_35mm, focal; // length, mm: as that of a 35 mm camera, and the lens's own
+    double zoom;              // digital; 1: none
+} FfpTakenBy;
+FfpTakenBy ffp_image_taken_by(const char *path);
 const char *ffp_orientation_words(int orientation); // "turned by 180 degrees"; 1: ""
 // Only the size, after applying the orientation tag, without decoding: for checks before memory is allocated.
 bool ffp_image_read_size(int *width, int *height, const char *path, FfpError *err);
@@ -126,6 +131,11 @@ FfpImage ffp_image_resize_rows(const FfpRows *rows, int width, int height);
 // Through a Gaussian of this deviation in pixels, to three of them, in place; edges are repeated. 0:
 // unchanged.
 void ffp_image_blur(FfpImage *image, real deviation);
+
+// image <- (1 - share) image + share (image through a Gaussian of this deviation in pixels), a channel of
+// three, in place; edges are repeated, and a picture of one colour stays as it is. The Gaussian is of a
+// reduced picture, exact to a hundredth of its height. Deviation 0: unchanged.
+void ffp_image_spread(FfpImage *image, const real share[3], real deviation);
 
 // Means over shrink x shrink pixels, in place of the picture; shrink divides its sides.
 void ffp_image_reduce(FfpImage *image, int shrink);

@@ -64,7 +64,8 @@ static void add_row(Reading *r, int row, int shrink) {
     const int width = (int)r->jpeg.output_width;
     real *to = r->reduced.data + (ptrdiff_t)3 * r->reduced.width * (row / shrink);
     const unsigned char *from = r->pixels;
-    for (int x = 0; x < width; to += 3)
+    for (int i = 0; shrink == 1 && i < 3 * width; i++) to[i] = light[from[i]];
+    for (int x = 0; shrink > 1 && x < width; to += 3)
         for (int end = x + shrink; x < end; x++, from += 3)
             for (int c = 0; c < 3; c++) to[c] += light[from[c]];
 }
@@ -82,7 +83,8 @@ static bool read_reduced(Reading *r) {
     jpeg_start_decompress(&r->jpeg);
     const int width = (int)r->jpeg.output_width, height = (int)r->jpeg.output_height;
     r->reduced = (FfpImage){width / shrink, height / shrink, 3, NULL};
-    r->reduced.data = ffp_try_alloc((size_t)r->reduced.width * (size_t)r->reduced.height, 3 * sizeof(real));
+    r->reduced.data = (shrink == 1 ? ffp_try_take : ffp_try_alloc)(
+        (size_t)r->reduced.width * (size_t)r->reduced.height, 3 * sizeof(real));
     r->pixels = ffp_try_alloc((size_t)width, 3);
     if (!r->pixels || !r->reduced.data) ERREXIT1(&r->jpeg, JERR_OUT_OF_MEMORY, 0);
     JSAMPROW row = r->pixels;
@@ -91,7 +93,7 @@ static bool read_reduced(Reading *r) {
         add_row(r, y, shrink);
     }
     jpeg_finish_decompress(&r->jpeg);
-    for (ptrdiff_t i = 0; i < (ptrdiff_t)3 * r->reduced.width * r->reduced.height; i++)
+    for (ptrdiff_t i = 0; shrink > 1 && i < (ptrdiff_t)3 * r->reduced.width * r->reduced.height; i++)
         r->reduced.data[i] /= (real)(shrink * shrink);
     return true;
 }

@@ -71,6 +71,15 @@ FFP_FORMULA bool ffp_box_plain(const FfpSummed *summed, real u, real v, real du,
     return summed->plain && u > x && v > y && u + x < (real)summed->width && v + y < (real)summed->height;
 }
 
+// The mean over a box of a pattern that is not plain.
+FFP_FORMULA void ffp_mean_in(const FfpSummed *summed, const FfpBox *box, real out[3]) {
+    const FfpFour mean =
+        ((ffp_corner(summed, &box->x[1], &box->y[1]) - ffp_corner(summed, &box->x[0], &box->y[1])) -
+         (ffp_corner(summed, &box->x[1], &box->y[0]) - ffp_corner(summed, &box->x[0], &box->y[0]))) *
+        box->scale;
+    for (int c = 0; c < 3; c++) out[c] = (real)mean[c];
+}
+
 // ffp_lookup
 FFP_FORMULA void ffp_box_mean(const FfpSummed *summed, real u, real v, real du, real dv, real out[3]) {
     if (ffp_box_plain(summed, u, v, du, dv)) {
@@ -83,11 +92,7 @@ FFP_FORMULA void ffp_box_mean(const FfpSummed *summed, real u, real v, real du, 
         for (int c = 0; c < 3; c++) out[c] = (real)(summed->colour[c] * area);
         return;
     }
-    const FfpFour mean =
-        ((ffp_corner(summed, &box.x[1], &box.y[1]) - ffp_corner(summed, &box.x[0], &box.y[1])) -
-         (ffp_corner(summed, &box.x[1], &box.y[0]) - ffp_corner(summed, &box.x[0], &box.y[0]))) *
-        box.scale;
-    for (int c = 0; c < 3; c++) out[c] = (real)mean[c];
+    ffp_mean_in(summed, &box, out);
 }
 
 FFP_FORMULA void ffp_plain_slopes(const FfpSummed *summed, const FfpBox *box, real out[3], real along_u[3],

@@ -7,6 +7,7 @@
 #include <strings.h>
 #include "core/base/call.h"
 #include "core/base/file.h"
+#include "core/base/log.h"
 #include "core/base/process.h"
 #include "core/image/codec.h"
 #include "core/image/frames.h"
@@ -14,7 +15,7 @@
 #include "core/image/webp.h"
 
 #define RAW_BYTES_MAX ((size_t)1 << 30)
-enum { HEAD = 32, PNG_HEAD = 65536, SAMPLE_MAX = 65535 };
+enum { HEAD = 32, PNG_HEAD = 65536, SAMPLE_MAX = 65535, RATE = 15 };
 
 // Linear light of the samples of a pixmap, and the greatest of them: 255, or 65535, of two bytes.
 typedef struct Samples {
@@ -28,7 +29,7 @@ typedef struct Source {
     FfpForeign kind;
     bool part;       // of a film
     double from, to; // seconds; to < from: one frame
-    int rate;        // of a film's frames, a second; 0: its own
+    FfpRate rate;    // of a film's frames; 0: its own
     bool alpha;      // of a film's frames is wanted, if it has one
     FfpStream stream;
 } Source;
@@ -149,7 +150,7 @@ static int put(const char **arguments, int n, const char *option, const char *va
 }
 
 static bool start_film(FfpProcess **process, const Source *source, bool size_only, FfpError *err) {
-    char file[FFP_PATH_MAX + 8], from[32], length[32], rate[16], filter[FFP_STREAM_FILTER];
+    char file[FFP_PATH_MAX + 8], from[32], length[32], rate[FFP_STREAM_WORD], filter[FFP_STREAM_FILTER];
     const char *arguments[40] = {"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin"};
     const FfpStream *stream = &source->stream;
     const bool one = size_only || (source->part && source->to < source->from),
@@ -157,7 +158,7 @@ static bool start_film(FfpProcess **process, const Source *source, bool size_onl
     snprintf(file, sizeof file, "file:%s", source->file);
     snprintf(from, sizeof from, "%.6f", source->from);
     snprintf(length, sizeof length, "%.6f", source->to - source->from);
-    snprintf(rate, sizeof rate, "%d", source->rate);
+    ffp_rate_print(source->rate, rate);
     ffp_stream_filter(stream, alpha, filter);
     int n = put(arguments, 5, "-ss", from);
     n = put(arguments, n, "-t", source->part && !one ? length : NULL);
@@ -166,7 +167,7 @@ static bool start_film(FfpProcess **process, const Source *source, bool size_onl
     n = put(arguments, n, "-i", file);
     n = put(arguments, n, "-map", "0:V:0");
     n = put(arguments, n, "-vf", filter);
-    n = put(arguments, n, "-r", source->rate > 0 ? rate : NULL);
+    n = put(arguments, n, "-r", source->rate.frames > 0 ? rate : NULL);
     n = put(arguments, n, "-frames:v", one ? "1" : NULL);
     n = put(arguments, n, "-c:v", alpha ? "pam" : "ppm");
     n = put(arguments, n, "-f", "image2pipe");
@@ -416,19 +417,30 @@ bool ffp_frames_open(FfpFrames *frames, const char *path, int rate, FfpError *er
     Source source;
     *frames = (FfpFrames){.path = path};
     if (!open_source(&source, path, err)) return false;
-    source.rate = rate;
+    source.rate = (FfpRate){rate > 0 ? rate : RATE, 1};
     source.alpha = true;
     if (source.kind != FFP_FOREIGN_FILM) return ffp_fail(err, FFP_ERROR_FILE, path, "is not a film");
+    frames->from = source.from;
+    frames->length = source.part && source.to > source.from ? source.to - source.from : 0;
+    snprintf(frames->file, sizeof frames->file, "%s", source.file);
+    if (rate == 0 && source.stream.rate.frames > 0) source.rate = source.stream.rate;
+    frames->rate = source.rate;
     if (ffp_webp_moves(source.file)) {
         const double to = !source.part ? INFINITY : source.to < source.from ? source.from + 1e-3 : source.to;
-        frames->webp = ffp_webp_open(source.file, path, rate, source.from, to, err);
+        frames->webp = ffp_webp_open(source.file, path, source.rate.frames, source.from, to, err);
         return frames->webp != NULL;
     }
     ffp_stream_note(&source.stream, path, false);
+    const double own = (double)source.stream.rate.frames / fmax(source.stream.rate.seconds, 1);
+    if (rate > 0 && own > 0 && fabs(own - rate) > 0.05 * rate) // a GIF's own is known no better
+        ffp_note("%s: read at %d frames a second, not at its own %.4g", ffp_basename(path), rate, own);
     frames->channels = source.stream.alpha ? 4 : 3;
     const double left = source.stream.seconds - source.from,
                  seconds = source.part && source.to - source.from < left ? source.to - source.from : left;
-    frames->expected = seconds > 0 && seconds * rate < 1e9 ? (int)(seconds * rate + 0.5) : 0;
+    const double count = seconds * source.rate.frames / source.rate.seconds;
+    frames->expected = count > 0 && count < 1e9 ? (int)(count + 0.5) : 0;
+    const bool one = source.part && source.to < source.from;
+    frames->sound = !one && ffp_stream_has_sound(source.file);
     return start(&frames->process, &source, false, err);
 }
 

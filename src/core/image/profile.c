@@ -81,7 +81,9 @@ bool ffp_profile_is_srgb(const FfpColourProfile *profile) {
 static void describe(const FfpLcmsModule *lcms, cmsHPROFILE opened, const FfpColourProfile *profile,
                      char name[NAME]) {
     snprintf(name, NAME, "%s",
-             profile->kind == FFP_PROFILE_ICC ? "its colour profile" : "its tags of colour");
+             profile->kind == FFP_PROFILE_ICC ? "its colour profile"
+             : profile->name                  ? profile->name
+                                              : "its tags of colour");
     char said[NAME] = "";
     if (profile->kind != FFP_PROFILE_ICC) return;
     lcms->info(opened, cmsInfoDescription, "en", "US", said, sizeof said);

@@ -1,5 +1,5 @@
 // A picture's description of its colours: an ICC profile (PNG, JPEG, TIFF), or a PNG's cICP, or its gAMA and
-// cHRM; converted to sRGB by Little CMS.
+// cHRM, or otherwise Adobe RGB by EXIF; converted to sRGB by Little CMS.
 #ifndef FFP_IMAGE_PROFILE_H
 #define FFP_IMAGE_PROFILE_H
 
@@ -7,8 +7,8 @@
 
 #define FFP_PROFILE_MAX ((size_t)1 << 24) // bytes
 
-// That of a PNG or JPEG in memory; of others, of those without and of PNGs tagged as sRGB it is
-// FFP_PROFILE_NONE. Bytes are released with ffp_free. A profile that cannot be parsed counts as none.
+// That of a picture in memory, of a TIFF only by EXIF; of others, of those without and of PNGs tagged as sRGB
+// it is FFP_PROFILE_NONE. Bytes are released with ffp_free. A profile that cannot be parsed counts as none.
 FfpColourProfile ffp_profile_find(const FfpEncoded *file);
 // A copy of ICC bytes of another origin.
 FfpColourProfile ffp_profile_of_icc(const void *bytes, size_t size);

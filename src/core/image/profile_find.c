@@ -63,19 +63,30 @@ static FfpColourProfile of_gamma(const unsigned char *gamma, const unsigned char
     return profile;
 }
 
+// Cameras set to Adobe RGB put no profile into their pictures (Adobe RGB (1998), 4.3.1).
+static FfpColourProfile of_exif(const unsigned char *bytes, size_t size) {
+    if (!ffp_exif_is_adobe_rgb(bytes, size)) return (FfpColourProfile){0};
+    return (FfpColourProfile){.kind = FFP_PROFILE_NUMBERS,
+                              .gamma = 563.0 / 256,
+                              .white = {0.3127, 0.3290},
+                              .primaries = {0.64, 0.33, 0.21, 0.71, 0.15, 0.06},
+                              .name = "Adobe RGB, as its EXIF data say,"};
+}
+
 // By the order of the specification (PNG third edition, 4.3): cICP, iCCP, sRGB, cHRM and gAMA.
 static FfpColourProfile find_in_png(const FfpEncoded *file) {
+    enum { KINDS = 6 };
     static const struct {
         const char *name;
         uint32_t least;
-    } kinds[] = {{"cICP", 4}, {"iCCP", 4}, {"sRGB", 1}, {"gAMA", 4}, {"cHRM", 32}};
-    const unsigned char *found[5] = {NULL};
-    size_t lengths[5] = {0};
+    } kinds[KINDS] = {{"cICP", 4}, {"iCCP", 4}, {"sRGB", 1}, {"gAMA", 4}, {"cHRM", 32}, {"eXIf", 8}};
+    const unsigned char *found[KINDS] = {NULL};
+    size_t lengths[KINDS] = {0};
     for (size_t at = PNG_BEGIN; at + CHUNK <= file->size;) {
         const unsigned char *chunk = file->data + at;
         const size_t length = big32(chunk);
         if (length > file->size - at - CHUNK || memcmp(chunk + 4, "IDAT", 4) == 0) break;
-        for (int k = 0; k < 5; k++)
+        for (int k = 0; k < KINDS; k++)
             if (memcmp(chunk + 4, kinds[k].name, 4) == 0 && length >= kinds[k].least) {
                 found[k] = chunk + 8;
                 lengths[k] = length;
@@ -84,13 +95,14 @@ static FfpColourProfile find_in_png(const FfpEncoded *file) {
     }
     if (found[0]) return of_code_points(found[0]);
     if (found[1]) return unpack(found[1], lengths[1]);
-    if (found[2] || (!found[3] && !found[4])) return (FfpColourProfile){0};
-    return of_gamma(found[3], found[4]);
+    if (found[2]) return (FfpColourProfile){0};
+    return found[3] || found[4] ? of_gamma(found[3], found[4]) : of_exif(found[5], lengths[5]);
 }
 
-// APP2 "ICC_PROFILE": its number of how many, from 1, and a part of the profile.
+// APP2 "ICC_PROFILE": its number of how many, from 1, and a part of the profile. Or APP1 "Exif".
 static FfpColourProfile find_in_jpeg(const FfpEncoded *file) {
-    static const char mark[12] = "ICC_PROFILE";
+    static const char mark[12] = "ICC_PROFILE", exif_mark[6] = "Exif\0";
+    FfpColourProfile by_exif = {0};
     unsigned char *bytes = NULL;
     size_t size = 0;
     int next = 1;
@@ -110,15 +122,17 @@ static FfpColourProfile find_in_jpeg(const FfpEncoded *file) {
             size += more;
             next++;
         }
+        if (segment[1] == 0xe1 && length > 8 && memcmp(segment + 4, exif_mark, sizeof exif_mark) == 0)
+            by_exif = of_exif(segment + 10, length - 8);
         at += 2 + length;
     }
     FfpColourProfile profile = ffp_profile_of_icc(bytes, size);
     ffp_free(bytes);
-    return profile;
+    return profile.kind == FFP_PROFILE_NONE ? by_exif : profile;
 }
 
 FfpColourProfile ffp_profile_find(const FfpEncoded *file) {
     if (file->size > 8 && memcmp(file->data, "\x89PNG", 4) == 0) return find_in_png(file);
     if (file->size > 3 && memcmp(file->data, "\xff\xd8\xff", 3) == 0) return find_in_jpeg(file);
-    return (FfpColourProfile){0};
+    return of_exif(file->data, file->size); // a TIFF begins as EXIF data do
 }

@@ -16,6 +16,7 @@ static bool read_bytes(FfpEncoded *file, const char *path, FfpError *err) {
     file->data = (const unsigned char *)data;
     if (file->size > 0) return true;
     ffp_free(data);
+    file->data = NULL;
     ffp_fail(err, FFP_ERROR_FILE, path, "file is empty");
     return false;
 }
@@ -94,30 +95,38 @@ static bool decode(FfpDecoded *out, const char *path, Wanted wanted, const FfpSi
     return ok;
 }
 
-// A reader's answer from a file's EXIF data; `none` where there are none, or it cannot be read.
-static int exif_of(const char *path, int (*read)(const unsigned char *, size_t), int none) {
+// Where a file's EXIF data begin, and their size; 0: there are none, or it cannot be read. To be released.
+static size_t read_exif(FfpEncoded *file, const char *path, const unsigned char **exif) {
     enum { HEAD = 1 << 18 }; // a JPEG's tags come first
     static const char mark[6] = "Exif\0";
     FfpError unread = {0};
-    FfpEncoded file;
-    int value = none;
-    if (!read_bytes(&file, path, &unread)) return none;
-    if (ffp_tiff_is(&file)) value = read(file.data, file.size);
-    if (ffp_jpeg_is(&file)) {
-        const size_t head = file.size < HEAD ? file.size : HEAD;
-        const unsigned char *at = memmem(file.data, head, mark, sizeof mark);
-        if (at) value = read(at + 6, (size_t)(file.data + file.size - at) - 6);
+    *exif = NULL;
+    if (!read_bytes(file, path, &unread)) return 0;
+    if (ffp_tiff_is(file)) *exif = file->data;
+    if (ffp_jpeg_is(file)) {
+        const unsigned char *at =
+            memmem(file->data, file->size < HEAD ? file->size : HEAD, mark, sizeof mark);
+        if (at) *exif = at + sizeof mark;
     }
-    free_bytes(&file);
-    return value;
+    return *exif ? (size_t)(file->data + file->size - *exif) : 0;
 }
 
 int ffp_image_orientation(const char *path) {
-    return exif_of(path, ffp_exif_orientation, 1);
+    FfpEncoded file;
+    const unsigned char *exif;
+    const size_t size = read_exif(&file, path, &exif);
+    const int orientation = ffp_exif_orientation(exif, size);
+    free_bytes(&file);
+    return orientation;
 }
 
-int ffp_image_focal_35mm(const char *path) {
-    return exif_of(path, ffp_exif_focal_35mm, 0);
+FfpTakenBy ffp_image_taken_by(const char *path) {
+    FfpEncoded file;
+    const unsigned char *exif;
+    const size_t size = read_exif(&file, path, &exif);
+    const FfpTakenBy by = ffp_exif_taken_by(exif, size);
+    free_bytes(&file);
+    return by;
 }
 
 // Premultiplied to straight alpha; where alpha is 0 the colour stays as it is.
@@ -215,7 +224,7 @@ bool ffp_image_read_reduced(FfpImage *rgb, FfpImage *alpha, int whole[2], const 
     bool done = false;
     *rgb = (FfpImage){0};
     if (alpha) *alpha = (FfpImage){0};
-    if (shrink > 1 && !reduce_jpeg(rgb, whole, &done, path, light, shrink, rough, err)) return false;
+    if (!reduce_jpeg(rgb, whole, &done, path, light, shrink, rough, err)) return false;
     if (done) return true;
     if (!read_over_black(rgb, alpha, path, light, NULL, err)) return false;
     whole[0] = rgb->width, whole[1] = rgb->height;

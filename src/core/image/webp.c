@@ -18,8 +18,8 @@ struct FfpWebp {
     void *film;
     unsigned char *rgba; // of the last picture
     int width, height, rate, count;
-    double from, to;   // ms
-    int begins, until; // when the last picture shows, ms
+    double from, to; // ms
+    int until;       // when the last picture ends, ms
 };
 
 bool ffp_webp_moves(const char *path) {
@@ -68,21 +68,20 @@ FfpWebp *ffp_webp_open(const char *file, const char *path, int rate, double from
 // The picture after the last one. False: there is none, or an error.
 static bool advance(FfpWebp *webp, FfpError *err) {
     if (!webp->module->more(webp->film)) return false;
-    webp->begins = webp->until;
     return webp->module->next(webp->film, &webp->rgba, &webp->until) ||
            ffp_fail(err, FFP_ERROR_FILE, webp->path, "is a damaged WebP film");
 }
 
 int ffp_webp_next(FfpWebp *webp, FfpRaw *out, FfpError *err) {
     FfpError why = {0};
-    const double wanted = webp->rate > 0 ? webp->from + 1000.0 * webp->count / webp->rate : webp->from;
-    bool shown = webp->rate > 0 && webp->rgba && wanted < webp->until;
+    const double wanted = webp->from + 1000.0 * webp->count / webp->rate;
+    bool shown = webp->rgba && wanted < webp->until;
     while (!shown && advance(webp, &why)) shown = wanted < webp->until;
     if (why.code != FFP_OK) {
         if (err) *err = why;
         return -1;
     }
-    if (!shown || (webp->rate > 0 ? wanted : webp->begins) >= webp->to) return 0;
+    if (!shown || wanted >= webp->to) return 0;
     webp->count++;
     *out = (FfpRaw){
         .data = webp->rgba, .width = webp->width, .height = webp->height, .channels = 4, .type = FFP_RAW_U8};

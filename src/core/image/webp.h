@@ -7,7 +7,7 @@
 typedef struct FfpWebp FfpWebp;
 
 bool ffp_webp_moves(const char *path); // true if the file is an animated WebP
-// The pictures of `file` between two times in seconds, `rate` a second (0: each of its own once). Errors,
+// The pictures of `file` between two times in seconds, `rate` a second. Errors,
 // which name `path`: damaged; the module is not there.
 FfpWebp *ffp_webp_open(const char *file, const char *path, int rate, double from, double to, FfpError *err);
 // 1: *out is the next picture, U8 RGBA, until the next call; 0: there are no more; -1: an error.

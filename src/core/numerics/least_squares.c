@@ -116,10 +116,19 @@ static void gather(const Fit *fit) {
     }
 }
 
-// One step: tries with more and more damping until the cost falls. False when another is not worth it.
-static bool descend(const Fit *fit, double *cost, double *damping) {
+// By how much a step lowers the cost if the slopes are right.
+static double decrease_of(const Fit *fit) {
+    double sum = 0;
+    for (int k = 0; k < fit->problem->numbers; k++) sum -= fit->vector[k] * fit->by[k];
+    return sum;
+}
+
+// One step: tries with more and more damping until the cost falls. FFP_END_UNFINISHED where another is worth
+// it.
+static FfpFitEnd descend(const Fit *fit, double *cost, double *damping) {
     const FfpLeastSquares *p = fit->problem;
     const int n = p->numbers;
+    double promised = INFINITY; // of the cost, by the step with least damping
     gather(fit);
     for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
         memcpy(fit->damped, fit->matrix, (size_t)n * (size_t)n * sizeof *fit->damped);
@@ -127,18 +136,19 @@ static bool descend(const Fit *fit, double *cost, double *damping) {
         if (ffp_solve_positive(fit->damped, fit->vector, n, fit->by)) {
             p->differences(p->state, fit->by, fit->there);
             const double found = cost_of(fit, fit->there);
+            if (attempt == 0) promised = decrease_of(fit);
             if (found < *cost) {
                 const bool worth = found < *cost * (1 - p->worth);
                 p->move(p->state, fit->by);
                 memcpy(fit->here, fit->there, (size_t)p->count * sizeof *fit->here);
                 *cost = found;
                 *damping *= LESS;
-                return worth;
+                return worth ? FFP_END_UNFINISHED : FFP_END_SETTLED;
             }
         }
         *damping = fmax(*damping * MORE, 1e-6);
     }
-    return false;
+    return promised <= p->worth * *cost ? FFP_END_SETTLED : FFP_END_STUCK;
 }
 
 // The inverse of the normal matrix, column by column, times what a difference's square is on average.
@@ -151,13 +161,14 @@ static void estimate_covariance(const Fit *fit, double *covariance) {
         sum += fit->weights[i] * fit->here[i] * fit->here[i];
         weights += fit->weights[i];
     }
-    bool ok = weights > n;
+    weights -= n + fit->problem->solved;
+    bool ok = weights > 0;
     for (int k = 0; k < n && ok; k++) {
         memcpy(fit->damped, fit->matrix, (size_t)n * (size_t)n * sizeof *fit->damped);
         memset(fit->vector, 0, (size_t)n * sizeof *fit->vector);
         fit->vector[k] = -1;
         ok = ffp_solve_positive(fit->damped, fit->vector, n, fit->by);
-        for (int i = 0; i < n; i++) covariance[n * i + k] = fit->by[i] * sum / (weights - n);
+        for (int i = 0; i < n; i++) covariance[n * i + k] = fit->by[i] * sum / weights;
     }
     for (int i = 0; i < n * n && !ok; i++) covariance[i] = INFINITY;
 }
@@ -166,7 +177,12 @@ double ffp_least_squares(const FfpLeastSquares *problem, double *covariance) {
     Fit fit = fit_new(problem);
     problem->differences(problem->state, fit.by, fit.here);
     double cost = cost_of(&fit, fit.here), damping = DAMPING;
-    for (int i = 0; i < problem->steps && descend(&fit, &cost, &damping); i++) ffp_cancel_point();
+    FfpFitEnd end = FFP_END_UNFINISHED;
+    for (int i = 0; i < problem->steps && end == FFP_END_UNFINISHED; i++) {
+        end = descend(&fit, &cost, &damping);
+        ffp_cancel_point();
+    }
+    if (problem->end) *problem->end = end;
     if (covariance) estimate_covariance(&fit, covariance);
     fit_free(&fit);
     return cost;

@@ -37,11 +37,16 @@ typedef struct FfpShow {
     bool focus, capture, gray_codes; // which parts
     int columns, rows;               // inner corners of the chessboard on paper; 0: none
     double square;                   // side of its squares, mm
+    int greys;                       // even pictures between black and white, behind the lollipops
 } FfpShow;
 
 typedef enum FfpShowPart { FFP_SHOW_FOCUS, FFP_SHOW_CAPTURE, FFP_SHOW_GRAY_CODES } FfpShowPart;
 
 int ffp_show_count(const FfpShow *show);
+// The value of grey `index` of so many, 1 to 254, evenly from dark to light; and its value by the name
+// "grey_051", 0 if that is not a grey's.
+int ffp_show_grey(int greys, int index);
+int ffp_grey_named(const char *name);
 // The picture with number `index`, and its name ("lollipop_0").
 FfpImage ffp_show_picture(const FfpShow *show, int index, char name[32], FfpShowPart *part);
 // Its number in the names of files: that of its photograph, from 1. The focus chart, which nobody

@@ -1,5 +1,6 @@
 // The pictures in the order to show them.
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include "core/patterns/patterns.h"
 
@@ -12,7 +13,7 @@ static int part_count(const FfpShow *show, FfpShowPart part) {
     case FFP_SHOW_FOCUS:
         return show->focus ? 1 : 0;
     case FFP_SHOW_CAPTURE:
-        return show->capture ? 2 + show->lollipops : 0;
+        return show->capture ? 2 + show->lollipops + show->greys : 0;
     case FFP_SHOW_GRAY_CODES:
         return show->gray_codes ? gray_code_pictures(show) : 0;
     }
@@ -33,7 +34,25 @@ static FfpImage gray_code(const FfpShow *show, int index, char name[32]) {
     return ffp_pattern_gray_code(show->width, show->height, axis, bit, index % 2 == 1);
 }
 
+int ffp_show_grey(int greys, int index) {
+    return (255 * (index + 1) + (greys + 1) / 2) / (greys + 1);
+}
+
+int ffp_grey_named(const char *name) {
+    char again[32];
+    if (strncmp(name, "grey_", 5) != 0) return 0;
+    const long value = strtol(name + 5, NULL, 10);
+    if (value < 1 || value > 254) return 0;
+    snprintf(again, sizeof again, "grey_%03d", (int)value);
+    return strcmp(again, name) == 0 ? (int)value : 0;
+}
+
 static FfpImage for_capture(const FfpShow *show, int index, char name[32]) {
+    if (index >= 2 + show->lollipops) {
+        const int value = ffp_show_grey(show->greys, index - 2 - show->lollipops);
+        snprintf(name, 32, "grey_%03d", value);
+        return ffp_pattern_plain(show->width, show->height, value);
+    }
     if (index >= 2) {
         snprintf(name, 32, "lollipop_%d", index - 2);
         return ffp_pattern_round_lollipop(show->width, show->height, (uint64_t)(index - 2));

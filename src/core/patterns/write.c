@@ -97,6 +97,8 @@ static bool write_one(const Writing *w, int index, int *last_part, FfpError *err
     if (ok) {
         if (*last_part != (int)part) fprintf(w->text, "\n%s\n\n", what_for[part]);
         *last_part = (int)part;
+        if (w->show->greys > 0 && ffp_grey_named(name) == ffp_show_grey(w->show->greys, 0))
+            fputs("\nGreys, which tell how much light the projector makes of a value:\n\n", w->text);
         fprintf(w->text, "    %s\n", file);
         fprintf(w->page, "['%s', '", name);
         ffp_write_base64(w->page, bytes, size);
@@ -141,7 +143,7 @@ static void list_photographs(const Writing *w) {
         fprintf(w->text,
                 "    view-000/           the object: 001 to %03d%s\n"
                 "    view-045/ ...       likewise, all the way round\n",
-                all, all > capture ? " (with a chessboard the codes may be left out)" : "");
+                all, show->gray_codes ? " (with a chessboard the codes may be left out)" : "");
     fputs("\n", w->text);
 }
 

@@ -4,13 +4,26 @@
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "engine/apply/solve.h"
+#include "engine/apply/unseen.h"
+
+#define ROUNDS 2 // more, where light is spread, blurred or scattered: each takes off what the last one does
+
+// A level asked of direct light, drawn towards the share of all that white adds where more of that is
+// scattered than direct, as in shadows: there little direct light would have to make up for much.
+static real steadied(const FfpCameraView *camera_view, size_t i, real direct, real level) {
+    const real scattered = camera_view->scattered.data ? camera_view->scattered.data[i] : 0;
+    if (!(scattered > 0)) return level;
+    const real share = (camera_view->target.data[i] - camera_view->ambient.data[i]) / (direct + scattered);
+    return share + direct * direct / (direct * direct + scattered * scattered) * (level - share);
+}
 
 // A camera's request at each of its pixels: level times certainty in three channels, and the certainty.
 // Levels are cut at what full feather could show, so that one impossible wish does not spoil its neighbours.
 static FfpImage levels(const FfpProCams *procams, int s) {
     const FfpCameraView *camera_view = &procams->camera_views[s];
     const int width = camera_view->weight.width, height = camera_view->weight.height;
-    FfpImage out = ffp_image_new(width, height, 4), lit = ffp_procams_lit(procams, s);
+    FfpImage out = ffp_image_new(width, height, 4), lit = ffp_procams_lit(procams, s),
+             floor = ffp_procams_floor(procams, s);
     for (int p = 0; p < width * height; p++) {
         real sum[3] = {0, 0, 0}, greatest = 0;
         const real certainty = lit.data[p] * camera_view->weight.data[p] * camera_view->facing.data[p];
@@ -25,13 +38,15 @@ static FfpImage levels(const FfpProCams *procams, int s) {
         }
         if (!(greatest > 0)) continue;
         for (int c = 0; c < 3; c++) {
-            const real wanted = camera_view->target.data[3 * p + c] - camera_view->ambient.data[3 * p + c];
+            const real wanted = camera_view->target.data[3 * p + c] - floor.data[3 * p + c];
             const real level = sum[c] > 0 ? wanted / sum[c] : wanted > 0 ? 1 / greatest : 0;
-            out.data[4 * p + c] = certainty * fmin(fmax(level, (real)0), 1 / greatest);
+            const real steady = steadied(camera_view, 3 * (size_t)p + (size_t)c, sum[c], level);
+            out.data[4 * p + c] = certainty * fmin(fmax(steady, (real)0), 1 / greatest);
         }
         out.data[4 * p + 3] = certainty;
     }
     ffp_image_free(&lit);
+    ffp_image_free(&floor);
     return out;
 }
 
@@ -91,22 +106,52 @@ int ffp_procams_footprint(const FfpProCams *procams, int projection) {
     return count > 0 ? (int)ceil(sum / count) : 1;
 }
 
-void ffp_procams_closed_form(FfpProCams *procams, int margin) {
+// The pattern whose light is `wanted`, as far as it can be: what the pattern so far spreads and blurs is
+// taken off.
+static void unspread(const FfpProCams *procams, int k, FfpImage *wanted) {
+    if (!(procams->spread_reach > 0 || procams->blur > 0)) return;
+    FfpImage spread = ffp_procams_light(procams, k);
+    const FfpImage *before = &procams->projections[k].pattern;
+    const ptrdiff_t values = (ptrdiff_t)wanted->width * wanted->height * 3;
+    for (ptrdiff_t i = 0; i < values; i++) {
+        const real direct = (1 - procams->spread[i % 3]) * before->data[i];
+        wanted->data[i] = (wanted->data[i] - (spread.data[i] - direct)) / (1 - procams->spread[i % 3]);
+    }
+    ffp_image_free(&spread);
+}
+
+// One round: the patterns for what of the targets those so far leave to direct light.
+static void solve_round(FfpProCams *procams, int margin) {
     FfpImage *wishes = ffp_alloc((size_t)procams->n_camera_views, sizeof *wishes);
     for (int s = 0; s < procams->n_camera_views; s++) wishes[s] = levels(procams, s);
     for (int k = 0; k < procams->n_projections; k++) {
         FfpProjection *projection = &procams->projections[k];
         const int width = projection->pattern.width, height = projection->pattern.height;
-        FfpImage sum = ffp_image_new(width, height, 4);
+        FfpImage sum = ffp_image_new(width, height, 4), wanted = ffp_image_new(width, height, 3);
         for (int s = 0; s < procams->n_camera_views; s++) gather(procams, s, k, &wishes[s], &sum);
         for (int pass = margin * ffp_procams_footprint(procams, k); pass > 0; pass--) grow(&sum);
+        ffp_fill_unseen(&sum, &projection->lit);
         for (int p = 0; p < width * height; p++)
             for (int c = 0; c < 3; c++) {
                 const real level = sum.data[4 * p + 3] > 0 ? sum.data[4 * p + c] / sum.data[4 * p + 3] : 0;
-                projection->pattern.data[3 * p + c] = fmin(level * projection->feather.data[p], (real)1);
+                wanted.data[3 * p + c] = level * projection->feather.data[p];
             }
+        unspread(procams, k, &wanted);
+        for (int i = 0; i < 3 * width * height; i++) {
+            const bool asked = sum.data[i / 3 * 4 + 3] > 0;
+            projection->pattern.data[i] = asked ? fmin(fmax(wanted.data[i], (real)0), (real)1) : 0;
+        }
         ffp_image_free(&sum);
+        ffp_image_free(&wanted);
     }
     for (int s = 0; s < procams->n_camera_views; s++) ffp_image_free(&wishes[s]);
     ffp_free(wishes);
+}
+
+void ffp_procams_closed_form(FfpProCams *procams, int margin) {
+    bool softens = procams->spread_reach > 0 || procams->blur > 0;
+    for (int s = 0; s < procams->n_camera_views; s++)
+        softens = softens || procams->camera_views[s].scattered.data;
+    solve_round(procams, margin);
+    for (int round = 0; softens && round < ROUNDS; round++) solve_round(procams, margin);
 }

@@ -38,18 +38,31 @@ static double compare(const FfpCameraView *camera_view, const FfpImage *picture,
     return sum;
 }
 
-static void scatter(const FfpLink *link, const FfpImage *difference, FfpImage *gradient) {
+// From a camera's picture to a projection's pattern; spread and blur are their own adjoints, but at the
+// pattern's edges.
+static void take_back(const FfpProCams *procams, int s, int k, const FfpImage *difference,
+                      FfpImage *gradient) {
+    const FfpLink *link = ffp_procams_link(procams, s, k);
+    const FfpImage *scattered = &procams->camera_views[s].scattered;
+
     FfpSummed adjoint = ffp_summed_zeros(gradient->width, gradient->height);
     FfpImage part = ffp_image_new(gradient->width, gradient->height, 3);
+    real level[3] = {0, 0, 0};
     const size_t count = (size_t)gradient->width * (size_t)gradient->height * 3;
     for (int p = 0; p < difference->width * difference->height; p++) {
         const real *uv = link->mapping.uv + 2 * p, *extent = link->mapping.extent + 2 * p;
         real grad[3];
+        for (int c = 0; c < 3 && scattered->data; c++)
+            level[c] += difference->data[3 * p + c] * scattered->data[3 * p + c];
         for (int c = 0; c < 3; c++) grad[c] = difference->data[3 * p + c] * link->response.data[3 * p + c];
         if (grad[0] == 0 && grad[1] == 0 && grad[2] == 0) continue;
         ffp_lookup_backward_pattern(&adjoint, uv[0], uv[1], extent[0], extent[1], grad);
     }
+    const real *lit = link->mapping.lit;
+    if (scattered->data) ffp_lookup_backward_pattern(&adjoint, lit[0], lit[1], lit[2], lit[3], level);
     ffp_lookup_gather_pattern(&adjoint, &part);
+    ffp_image_spread(&part, procams->spread, procams->spread_reach);
+    ffp_image_blur(&part, procams->blur);
     for (size_t i = 0; i < count; i++) gradient->data[i] += part.data[i];
     ffp_image_free(&part);
     ffp_summed_free(&adjoint);
@@ -63,7 +76,7 @@ double ffp_procams_loss(const FfpProCams *procams, FfpImage *gradients) {
         FfpImage difference = ffp_image_new(picture.width, picture.height, 3);
         loss += compare(&procams->camera_views[s], &picture, scale, &difference);
         for (int k = 0; gradients && k < procams->n_projections; k++)
-            scatter(ffp_procams_link(procams, s, k), &difference, &gradients[k]);
+            take_back(procams, s, k, &difference, &gradients[k]);
         ffp_image_free(&picture);
         ffp_image_free(&difference);
     }

@@ -10,7 +10,7 @@
 #define GAINS_PER_DOUBLING 8
 #define GAINS (12 * GAINS_PER_DOUBLING + 1)
 
-// Linear radiance with every projection at white.
+// Linear radiance with every projection at white, without what is scattered.
 static void brightest_at(const FfpProCams *procams, int camera_view, int p, real out[3]) {
     memcpy(out, procams->camera_views[camera_view].ambient.data + 3 * p, 3 * sizeof *out);
     for (int k = 0; k < procams->n_projections; k++)
@@ -18,12 +18,17 @@ static void brightest_at(const FfpProCams *procams, int camera_view, int p, real
             out[c] += ffp_procams_link(procams, camera_view, k)->response.data[3 * p + c];
 }
 
+// By direct light; *bright: the radiance with every projection at white.
 static bool is_lit(const FfpProCams *procams, int camera_view, int p, real bright[3]) {
-    const real *dark = procams->camera_views[camera_view].ambient.data + 3 * p;
+    const FfpCameraView *view = &procams->camera_views[camera_view];
+    const real *dark = view->ambient.data + 3 * p;
+    bool lit = false;
     brightest_at(procams, camera_view, p, bright);
-    for (int c = 0; c < 3; c++)
-        if (ffp_srgb_encode(bright[c]) - ffp_srgb_encode(dark[c]) >= 2 * STEP) return true;
-    return false;
+    for (int c = 0; c < 3; c++) {
+        lit = lit || ffp_srgb_encode(bright[c]) - ffp_srgb_encode(dark[c]) >= 2 * STEP;
+        if (view->scattered.data) bright[c] += view->scattered.data[3 * p + c];
+    }
+    return lit;
 }
 
 FfpImage ffp_procams_lit(const FfpProCams *procams, int camera_view) {
@@ -42,6 +47,7 @@ FfpGamut ffp_procams_gamut(const FfpProCams *procams) {
     for (int s = 0; s < procams->n_camera_views; s++) {
         const FfpCameraView *camera_view = &procams->camera_views[s];
         const int pixels = camera_view->weight.width * camera_view->weight.height;
+        FfpImage floor = ffp_procams_floor(procams, s);
         for (int p = 0; p < pixels; p++) {
             real most[3];
             bool below = false, above = false;
@@ -51,7 +57,7 @@ FfpGamut ffp_procams_gamut(const FfpProCams *procams) {
             unlit += !lit;
             for (int c = 0; lit && c < 3; c++) {
                 const real wanted = ffp_srgb_encode(camera_view->target.data[3 * p + c]);
-                below |= wanted < ffp_srgb_encode(camera_view->ambient.data[3 * p + c]) - STEP;
+                below |= wanted < ffp_srgb_encode(floor.data[3 * p + c]) - STEP;
                 above |=
                     camera_view->target.data[3 * p + c] > most[c] &&
                     (wanted > ffp_srgb_encode(most[c]) + STEP || camera_view->target.data[3 * p + c] > 1);
@@ -59,6 +65,7 @@ FfpGamut ffp_procams_gamut(const FfpProCams *procams) {
             dark += below;
             bright += above;
         }
+        ffp_image_free(&floor);
     }
     const double whole = gamut.pixels ? gamut.pixels : 1;
     gamut.unlit = unlit / whole;

@@ -8,6 +8,7 @@
 #include "core/base/vec.h"
 #include "engine/apply/surface.h"
 #include "engine/render/pass.h"
+#include "engine/render/shade_pixel.h"
 #include "engine/render/strip.h"
 
 #define WHITE_MIN 0.05F // a white pattern that is darker than this over a footprint tells no response
@@ -58,6 +59,7 @@ static void new_camera_view(const Builder *b, FfpCameraView *camera_view) {
     const int width = view->camera.width, height = view->camera.height;
     camera_view->depth = ffp_image_new(width, height, 1);
     camera_view->facing = ffp_image_new(width, height, 1);
+    if (b->gaussians->scatters) camera_view->scattered = ffp_image_new(width, height, 3);
     if (photographed(b, view)) {
         camera_view->weight = ffp_image_copy(&view->coverage);
         camera_view->ambient = ffp_image_copy(&view->images[b->capture->black]);
@@ -79,6 +81,7 @@ static void fill_row(const FfpCameraView *camera_view, const Strip *strip, bool 
     for (int x = 0; x < g->width; x++) {
         const size_t i = (size_t)y * (size_t)g->width + (size_t)x, p = strip->first + i;
         const real opacity = g->opacity[i];
+        if (g->scattered) memcpy(camera_view->scattered.data + 3 * p, g->scattered + 3 * i, 3 * sizeof(real));
         if (!has_pictures) {
             camera_view->weight.data[p] = fmin(opacity, 1);
             memcpy(camera_view->ambient.data + 3 * p, g->ambient + 3 * i, 3 * sizeof(real));
@@ -99,20 +102,26 @@ static bool in_pattern(const FfpMapping *mapping, const FfpCamera *projector, si
     return uv[0] > 0 && uv[1] > 0 && uv[0] < (real)projector->width && uv[1] < (real)projector->height;
 }
 
-// Radiance under white less the ambient one, divided by the white pattern over the footprint: of a strip's
-// mapping into its response. `lit` and `dark` are linear pictures.
+// Radiance under white less the ambient and the scattered one, divided by the white pattern over the
+// footprint: of a strip's mapping into its response. `lit` and `dark` are linear pictures; scattered: of the
+// strip, or NULL.
 static void divide_white(const Builder *b, const FfpMapping *mapping, const FfpCamera *projector,
-                         const real *lit, const real *dark, bool believe_shadows, real *response) {
+                         const real *lit, const real *dark, const real *scattered, bool believe_shadows,
+                         real *response) {
     const size_t pixels = (size_t)mapping->width * (size_t)mapping->height;
+    real level[3];
+    ffp_pattern_level(&b->white, mapping->lit, level);
     for (size_t p = 0; p < pixels; p++) {
         const real *uv = mapping->uv + 2 * p, *extent = mapping->extent + 2 * p;
         real white[3];
         if (!in_pattern(mapping, projector, p) || (believe_shadows && !(mapping->visibility[p] > 0)))
             continue;
         ffp_lookup(&b->white, uv[0], uv[1], extent[0], extent[1], white);
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
+            const real other = dark[3 * p + c] + (scattered ? level[c] * scattered[3 * p + c] : 0);
             if (white[c] > WHITE_MIN)
-                response[3 * p + c] = fmax((lit[3 * p + c] - dark[3 * p + c]) / white[c], (real)0);
+                response[3 * p + c] = fmax((lit[3 * p + c] - other) / white[c], (real)0);
+        }
     }
 }
 
@@ -132,14 +141,15 @@ static void fill_link(const Builder *b, const FfpView *view, const FfpProjection
     FfpMapping part = rows_of(&link->mapping, strip);
     ffp_map_to_projector(b->raster, b->gaussians, g, &strip->camera, projector, b->settings, &part);
     link->mapping.even = part.even;
+    memcpy(link->mapping.lit, part.lit, sizeof part.lit);
     if (photographed(b, view) && same_projector(b->capture, &view->projector, projector)) {
         divide_white(b, &part, projector, view->images[b->capture->white].data + 3 * strip->first,
-                     view->images[b->capture->black].data + 3 * strip->first, false, response);
+                     view->images[b->capture->black].data + 3 * strip->first, g->scattered, false, response);
         return;
     }
     FfpImage lit = ffp_image_new(g->width, g->height, 3);
     ffp_shade_once(g, &part, &strip->camera, projector, b->capture->intensity, &b->white, &lit);
-    divide_white(b, &part, projector, lit.data, g->ambient, true, response);
+    divide_white(b, &part, projector, lit.data, g->ambient, g->scattered, true, response);
     ffp_image_free(&lit);
 }
 
@@ -188,10 +198,13 @@ static void fill_projections(const Builder *b) {
         projection->pattern = ffp_image_new(projector->width, projector->height, 3);
         projection->feather = ffp_image_new(projector->width, projector->height, 1);
         const int pixels = projector->width * projector->height;
-        for (int p = 0; p < pixels; p++) projection->feather.data[p] = 1;
-        if (b->procams->n_projections == 1) continue;
+        projection->lit = ffp_image_new(projector->width, projector->height, 1);
         FfpLitSurface surface = ffp_lit_surface_new(b->gaussians, projector, b->settings);
-        ffp_lit_surface_feather(&surface, projector, &projection->feather);
+        for (int p = 0; p < pixels; p++) {
+            projection->feather.data[p] = 1;
+            projection->lit.data[p] = surface.depth.data[p] > 0;
+        }
+        if (b->procams->n_projections > 1) ffp_lit_surface_feather(&surface, projector, &projection->feather);
         ffp_lit_surface_free(&surface);
     }
 }
@@ -199,7 +212,8 @@ static void fill_projections(const Builder *b) {
 FfpProCams ffp_procams_new(const FfpGaussians *gaussians, const FfpCapture *capture,
                            const FfpView *const *views, int n_views, const FfpRenderSettings *settings,
                            bool photographs) {
-    FfpProCams procams = {.n_camera_views = n_views};
+    FfpProCams procams = {.n_camera_views = n_views, .spread_reach = capture->panel.spread_reach};
+    memcpy(procams.spread, capture->panel.spread, sizeof procams.spread);
     procams.camera_views = ffp_alloc((size_t)n_views, sizeof *procams.camera_views);
     procams.projections = ffp_alloc((size_t)n_views, sizeof *procams.projections);
     for (int v = 0; v < n_views; v++) procams.camera_views[v].view = views[v];
@@ -222,12 +236,13 @@ FfpProCams ffp_procams_new(const FfpGaussians *gaussians, const FfpCapture *capt
 void ffp_procams_free(FfpProCams *procams) {
     for (int s = 0; s < procams->n_camera_views; s++) {
         FfpCameraView *camera_view = &procams->camera_views[s];
-        FfpImage *images[] = {&camera_view->depth, &camera_view->facing, &camera_view->ambient,
-                              &camera_view->target, &camera_view->weight};
+        FfpImage *images[] = {&camera_view->depth,  &camera_view->facing, &camera_view->ambient,
+                              &camera_view->target, &camera_view->weight, &camera_view->scattered};
         for (size_t i = 0; i < sizeof images / sizeof *images; i++) ffp_image_free(images[i]);
     }
     for (int k = 0; k < procams->n_projections; k++) {
         ffp_image_free(&procams->projections[k].feather);
+        ffp_image_free(&procams->projections[k].lit);
         ffp_image_free(&procams->projections[k].pattern);
     }
     for (int l = 0; l < procams->n_camera_views * procams->n_projections; l++) {
@@ -309,7 +324,8 @@ static void shared_white(const FfpProCams *procams, int s, ptrdiff_t p, real out
         sum += feather;
         for (int c = 0; c < 3; c++) out[c] += feather * link->response.data[3 * p + c] / (1 - procams->black);
     }
-    for (int c = 0; c < 3 && sum > 0; c++) out[c] /= sum;
+    const real *scattered = procams->camera_views[s].scattered.data;
+    for (int c = 0; c < 3 && sum > 0; c++) out[c] = out[c] / sum + (scattered ? scattered[3 * p + c] : 0);
 }
 
 // Every target becomes its floor and (paint) that share of the way up, or (otherwise) at least its floor.
@@ -342,12 +358,45 @@ void ffp_procams_paint(FfpProCams *procams) {
     raise_targets(procams, true);
 }
 
+FfpImage ffp_procams_light(const FfpProCams *procams, int projection) {
+    FfpImage light = ffp_image_copy(&procams->projections[projection].pattern);
+    ffp_image_blur(&light, procams->blur);
+    ffp_image_spread(&light, procams->spread, procams->spread_reach);
+    return light;
+}
+
+// Adds what a projection's light scatters.
+static void add_scattered(const FfpCameraView *camera_view, const FfpSummed *light, const real lit[4],
+                          FfpImage *picture) {
+    const ptrdiff_t values = (ptrdiff_t)picture->width * picture->height * 3;
+    real level[3];
+    ffp_pattern_level(light, lit, level);
+    for (ptrdiff_t i = 0; camera_view->scattered.data && i < values; i++)
+        picture->data[i] += level[i % 3] * camera_view->scattered.data[i];
+}
+
+FfpImage ffp_procams_floor(const FfpProCams *procams, int camera_view) {
+    FfpImage floor = ffp_image_copy(&procams->camera_views[camera_view].ambient);
+    for (int k = 0; procams->camera_views[camera_view].scattered.data && k < procams->n_projections; k++) {
+        FfpImage light = ffp_procams_light(procams, k);
+        FfpSummed summed = ffp_summed_new(&light);
+        add_scattered(&procams->camera_views[camera_view], &summed,
+                      ffp_procams_link(procams, camera_view, k)->mapping.lit, &floor);
+        ffp_summed_free(&summed);
+        ffp_image_free(&light);
+    }
+    return floor;
+}
+
 FfpImage ffp_procams_picture(const FfpProCams *procams, int camera_view) {
     FfpImage picture = ffp_image_copy(&procams->camera_views[camera_view].ambient);
     const ptrdiff_t pixels = (ptrdiff_t)picture.width * picture.height;
     for (int k = 0; k < procams->n_projections; k++) {
         const FfpLink *link = ffp_procams_link(procams, camera_view, k);
-        FfpSummed summed = ffp_summed_new(&procams->projections[k].pattern);
+        FfpImage light = ffp_procams_light(procams, k);
+        FfpSummed summed = ffp_summed_new(&light);
+        ffp_image_free(&light);
+        add_scattered(&procams->camera_views[camera_view], &summed, link->mapping.lit, &picture);
 #pragma omp parallel for schedule(static)
         for (ptrdiff_t p = 0; p < pixels; p++) {
             const real *uv = link->mapping.uv + 2 * p, *extent = link->mapping.extent + 2 * p;

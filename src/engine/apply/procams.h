@@ -1,7 +1,9 @@
 // Cameras, projectors and the light between them: the data for compensation and for the maps.
 // For fixed Gaussians a camera's picture is linear in the patterns: with M the projectors that reach a pixel,
-//     C = ambient + sum over M of response * lookup(pattern, position, footprint),
-// which is the light model of docs/design/architecture.md with everything but the pattern in `response`.
+//     C = ambient + sum over M of response * lookup(light, position, footprint) + sum of level * scattered,
+// which is the light model of docs/design/architecture.md with everything but the pattern in `response`. The
+// light is the pattern of which a share is spread (FfpPanel.spread), the level its mean where it falls on the
+// object.
 #ifndef FFP_APPLY_PROCAMS_H
 #define FFP_APPLY_PROCAMS_H
 
@@ -13,17 +15,20 @@
 // One camera's picture and its target. All images have the camera's size.
 typedef struct FfpCameraView {
     const FfpView *view;
-    FfpImage depth;   // 1: camera z in world units, 0 where the opacity is below one half
-    FfpImage facing;  // 1: cosine between the normal and the ray to the camera, in [0,1]
-    FfpImage ambient; // 3: linear radiance under dark projectors
-    FfpImage target;  // 3: linear radiance requested; empty until it is given
-    FfpImage weight;  // 1: in [0,1], the weight of a pixel: coverage times the target's alpha
+    FfpImage depth;     // 1: camera z in world units, 0 where the opacity is below one half
+    FfpImage facing;    // 1: cosine between the normal and the ray to the camera, in [0,1]
+    FfpImage ambient;   // 3: linear radiance under dark projectors
+    FfpImage scattered; // 3: linear radiance that a white pattern adds by other ways than its direct ray;
+                        // empty: none does
+    FfpImage target;    // 3: linear radiance requested; empty until it is given
+    FfpImage weight;    // 1: in [0,1], the weight of a pixel: coverage times the target's alpha
 } FfpCameraView;
 
 // The surface that one projector lights. All images have the projector's size.
 typedef struct FfpProjection {
     const FfpView *view; // the first view with this projector pose
     FfpImage feather;    // 1: in (0,1], the projector's share where several overlap; 1 for a single one
+    FfpImage lit;        // 1: 1 where it lights a surface, 0 elsewhere
     FfpImage pattern;    // 3: linear, in [0,1]
 } FfpProjection;
 
@@ -39,6 +44,8 @@ typedef struct FfpProCams {
     FfpProjection *projections;
     FfpLink *links; // [n_camera_views, n_projections]
     real black;     // the share of its white that a dark projector still gives (ffp_procams_black_level)
+    real spread[3], spread_reach; // of the capture's panel
+    real blur; // deviation in the patterns' pixels, of the light that they are solved for; 0 at first
 } FfpProCams;
 
 // Borrows the views. Projectors with the same pose and lens (ffp_same_device) are one projection. With
@@ -73,6 +80,11 @@ void ffp_procams_lift(FfpProCams *procams);
 // Without a black level all of these values can be reached.
 void ffp_procams_paint(FfpProCams *procams);
 
+// A projection's light under its pattern: blurred, and what of it is spread included. The caller's to free.
+FfpImage ffp_procams_light(const FfpProCams *procams, int projection);
+// Ambient light and what the patterns scatter, as the camera sees it without any direct light: what is too
+// bright in it no pattern mends. The caller's to free.
+FfpImage ffp_procams_floor(const FfpProCams *procams, int camera_view);
 // The camera's picture under the projections' patterns: linear, unclamped.
 FfpImage ffp_procams_picture(const FfpProCams *procams, int camera_view);
 

@@ -7,7 +7,7 @@
 // Targets within reach of the light, as shares in [0,1] of the constrained pixels (weight above one half). A
 // pixel is unlit if white light on all projections changes no channel by two steps of 255; of the others, too
 // dark (bright) means that a channel of the target is more than one such step below (above) the reachable
-// range.
+// range, which begins where the patterns so far scatter no less light.
 typedef struct FfpGamut {
     int pixels;
     double unlit, too_dark, too_bright;
@@ -26,10 +26,13 @@ double ffp_procams_psnr(const FfpProCams *procams);
 // 1 at a camera's constrained pixels that some projection lights, 0 elsewhere.
 FfpImage ffp_procams_lit(const FfpProCams *procams, int camera_view);
 
-// Patterns in closed form. A camera pixel requests the level (target - ambient) / sum of feather * response;
-// a projector pixel shows its feather times the mean level of the camera positions that see it (by the
-// inverse correspondence, weighted by weight and cosine), clipped to [0,1]. Positions that no camera
-// constrains stay dark, except for a margin of so many footprints around the others.
+// Patterns in closed form. A camera pixel requests the level (target - floor) / sum of feather * response;
+// its floor is its ambient light and the light that the patterns so far scatter. A projector pixel shows its
+// feather times the mean level of the camera positions that see it (by the inverse correspondence, weighted
+// by weight and cosine), clipped to [0,1]. Where patterns scatter, spread or blur light, two more rounds
+// subtract what those of the round before do. Of positions that no camera constrains, a margin of so many
+// footprints around the others goes on with their levels, and so does the rest of what is lit, fading
+// (unseen.h).
 void ffp_procams_closed_form(FfpProCams *procams, int margin);
 
 // The mean footprint of a lit camera pixel in a projector, in its pixels, rounded up; 1 if nothing is lit.

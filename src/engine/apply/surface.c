@@ -123,8 +123,7 @@ static void shorten(FfpImage *distance, int x, int y, int dx, int dy) {
     *here = fmin(*here, distance->data[ny * width + nx] + step);
 }
 
-// Distance to the nearest zero, by the two passes of a chamfer transform (Borgefors 1986).
-static void chamfer(FfpImage *distance) {
+void ffp_distances(FfpImage *distance) {
     static const int before[4][2] = {{-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
     const int width = distance->width, height = distance->height;
     for (int y = 0; y < height; y++)
@@ -141,7 +140,7 @@ void ffp_lit_surface_feather(const FfpLitSurface *surface, const FfpCamera *proj
     const real reach = fmax((real)longer / FEATHER_SHARE, (real)1);
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) feather->data[y * width + x] = at_edge(surface, projector, x, y);
-    chamfer(feather);
+    ffp_distances(feather);
     for (int p = 0; p < width * height; p++) {
         const real t = fmin(feather->data[p] / reach, (real)1);
         feather->data[p] = fmax(t * t * (3 - 2 * t) * surface->cosine.data[p], (real)FEATHER_MIN);

@@ -35,4 +35,8 @@ void ffp_lit_surface_density(const FfpLitSurface *surface, const FfpCamera *proj
 // Writes [projector's size, 1], in (0,1].
 void ffp_lit_surface_feather(const FfpLitSurface *surface, const FfpCamera *projector, FfpImage *feather);
 
+// One channel of zeros and infinities: distances to the nearest zero, in pixels, by the two passes of a
+// chamfer transform (Borgefors 1986).
+void ffp_distances(FfpImage *distance);
+
 #endif

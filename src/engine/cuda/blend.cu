@@ -88,7 +88,9 @@ static __global__ void __launch_bounds__(FFP_TILE_PIXELS) blend_tiles(FfpTiling 
 
 void ffp_cuda_blend(const FfpTiling *tiling, FfpGbuffer *out) {
     const dim3 tiles((unsigned)(tiling->tiles_x * tiling->tiles_y));
-    if (out->normal)
+    if (out->normal && !out->scattered)
+        ffp_launch_blocks(blend_tiles<FFP_DIRECT_CHANNELS>, tiles, dim3(FFP_TILE_PIXELS), 0, *tiling, *out);
+    else if (out->normal)
         ffp_launch_blocks(blend_tiles<FFP_CHANNELS>, tiles, dim3(FFP_TILE_PIXELS), 0, *tiling, *out);
     else
         ffp_launch_blocks(blend_tiles<FFP_SHADOW_CHANNELS>, tiles, dim3(FFP_TILE_PIXELS), 0, *tiling, *out);

@@ -4,8 +4,9 @@
 #include "engine/cuda/launch.h"
 #include "engine/cuda/tile.h"
 
-enum { BATCH = FFP_WARP, LAST = FFP_SPLAT_SUMS - 1 };
-static_assert(LAST == 16, "a warp's transposed sum takes sixteen numbers, the last goes by itself");
+enum { BATCH = FFP_WARP, TRANSPOSED = 16 };
+static_assert((int)FFP_SPLAT_SUMS >= (int)TRANSPOSED && (int)FFP_SPLAT_SUMS <= (int)FFP_WARP,
+              "a warp's transposed sum takes sixteen numbers, the others go by themselves");
 
 // A batch of the tile's splats, and what the warps have made of it.
 typedef struct Batch {
@@ -38,6 +39,8 @@ static __device__ inline void load_pixel(const FfpTilePixel *at, const FfpGbuffe
     // The distortion is of second degree in w, the rest of first: sum w dL/dw, by Euler.
     p->rest = p->spread * out->distortion[i];
     for (int k = 0; k < FFP_CHANNELS; k++) {
+        p->grad[k] = 0;
+        if (k >= FFP_DIRECT_CHANNELS && !grad->scattered) continue;
         p->grad[k] = *ffp_channel(grad, k, i);
         p->rest += p->grad[k] * *ffp_channel(out, k, i);
     }
@@ -118,8 +121,12 @@ static __device__ inline bool splat_backward(const FfpDeviceSplat *splat, float 
     float d[FFP_SPLAT_SUMS];
     for (int k = 0; k < FFP_SPLAT_SUMS; k++) d[k] = 0;
     if (c.alpha > 0) pixel_backward(splat, &c, firmness, pixel, d);
-    const float last = sum_lanes(d[LAST]), sum = sum_transposed(d, lane);
-    if (lane <= LAST) sums[lane] = lane < LAST ? sum : last;
+    const float first = sum_transposed(d, lane);
+    if (lane < TRANSPOSED) sums[lane] = first;
+    for (int k = TRANSPOSED; k < FFP_SPLAT_SUMS; k++) {
+        const float sum = sum_lanes(d[k]);
+        if (lane == k) sums[k] = sum;
+    }
     return true;
 }
 

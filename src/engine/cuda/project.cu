@@ -146,6 +146,9 @@ static __device__ inline void write_splat(const Frame *f, const FfpGaussians *g,
     quads[2] = float4{n[1], n[2], albedo[0], albedo[1]};
     quads[3] = float4{albedo[2], g->roughness[i], ambient[0], ambient[1]};
     quads[4] = float4{ambient[2], 0, 0, 0};
+    if (!g->scatters) return;
+    const float *scattered = g->scattered + 3 * i;
+    quads[4] = float4{ambient[2], scattered[0], scattered[1], scattered[2]};
 }
 
 static __global__ void __launch_bounds__(BLOCK)
@@ -314,6 +317,7 @@ static __global__ void __launch_bounds__(BLOCK)
     for (size_t k = 0; k < 3; k++) {
         grad.albedo[3 * i + k] += sum.value[FFP_CHANNEL_ALBEDO - 1 + k];
         grad.ambient[3 * i + k] += sum.value[FFP_CHANNEL_AMBIENT - 1 + k];
+        if (g.scatters) grad.scattered[3 * i + k] += sum.value[FFP_CHANNEL_SCATTERED - 1 + k];
     }
     grad.roughness[i] += sum.value[FFP_CHANNEL_ROUGHNESS - 1];
     geometry_backward(&g, i, &view, &sum, &grad);

@@ -23,14 +23,12 @@ typedef struct alignas(16) FfpDeviceSplat {
     float power[3];                // density = opacity 2^(p0 dx^2 + p1 dx dy + p2 dy^2)
     float opacity;                 // compensated
     float value[FFP_CHANNELS - 1]; // blended attributes behind the constant first
-    float unused[3];
 } FfpDeviceSplat;
 
 // One tile's contribution to a splat's gradient, as FfpSplatGrad of engine/render/raster.h.
 typedef struct alignas(16) FfpDeviceSplatGrad {
     float g, gx, gy, gxx, gxy, gyy;
     float value[FFP_CHANNELS - 1];
-    float unused[3];
 } FfpDeviceSplatGrad;
 
 static_assert(sizeof(FfpDeviceSplat) == 16 * FFP_SPLAT_QUADS);

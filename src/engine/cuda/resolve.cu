@@ -5,7 +5,7 @@ extern "C" {
 #include "engine/render/resolve_pixel.h"
 }
 
-enum { PLANES = 7 };
+enum { PLANES = 8 };
 
 // A plane of a G-buffer, and the same plane of another.
 typedef struct Plane {
@@ -25,7 +25,8 @@ static FfpPlaneList planes_of(const FfpGbuffer *from, const FfpGbuffer *to) {
                          {from->albedo, to->albedo, 3},
                          {from->roughness, to->roughness, 1},
                          {from->ambient, to->ambient, 3},
-                         {from->distortion, to->distortion, 1}}};
+                         {from->distortion, to->distortion, 1},
+                         {from->scattered, to->scattered, 3}}};
 }
 
 // One thread a number of three planes' width, as the widest have; a row of blocks for each plane.
@@ -49,7 +50,7 @@ static __global__ void average_planes(FfpPlaneList list, int width, size_t pixel
     const Plane plane = list.plane[blockIdx.y];
     const int channels = plane.channels;
     const size_t i = ffp_thread();
-    if (i >= pixels * (size_t)channels) return;
+    if (!plane.to || i >= pixels * (size_t)channels) return;
     const size_t row = (size_t)width * (size_t)channels, y = i / row, in_row = i % row;
     const size_t x = in_row / (size_t)channels, k = in_row % (size_t)channels, stride = row * (size_t)side;
     const float *first = plane.from + y * (size_t)side * stride + x * (size_t)(side * channels) + k;
@@ -73,7 +74,7 @@ void ffp_cuda_average_gbuffer(const FfpGbuffer *samples, int side, FfpGbuffer *o
 static __global__ void average_planes_backward(FfpPlaneList list, int width, size_t pixels, int side) {
     const Plane plane = list.plane[blockIdx.y];
     const size_t channels = (size_t)plane.channels, i = ffp_thread();
-    if (i >= pixels * channels) return;
+    if (!plane.to || i >= pixels * channels) return;
     const size_t row = (size_t)width * channels, y = i / row / (size_t)side;
     const size_t x = i % row / channels / (size_t)side, k = i % channels;
     const float share = 1 / (float)(side * side);

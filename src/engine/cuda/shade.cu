@@ -22,6 +22,7 @@ typedef struct FfpPatternScene {
     float intensity[3];
     int width, height, side; // of the picture; samples a side of its pixels
     bool lit;                // not black
+    float on[4];             // FfpMapping.lit
     FfpSummed pattern;
 } FfpPatternScene;
 
@@ -144,33 +145,44 @@ static FfpPatternScene pattern_scene(const FfpMapping *mapping, const FfpTranspo
     scene.transport = *transport;
     scene.extent = mapping->extent;
     for (int k = 0; k < 3; k++) scene.intensity[k] = intensity[k];
+    for (int k = 0; k < 4; k++) scene.on[k] = mapping->lit[k];
     scene.lit = pattern != NULL;
     if (pattern) scene.pattern = *pattern;
     return scene;
 }
 
 static __device__ inline FfpPatternLight light_of(const FfpPatternScene *s) {
-    return FfpPatternLight{&s->transport, s->extent, s->intensity, s->lit ? &s->pattern : NULL, s->side};
+    return FfpPatternLight{&s->transport, s->extent, s->intensity, s->lit ? &s->pattern : NULL,
+                           s->side,       {0, 0, 0}};
+}
+
+static __device__ inline void find_level(const FfpPatternScene *s, const float *scattered,
+                                         FfpPatternLight *light) {
+    if (scattered) ffp_pattern_level(light->pattern, s->on, light->level);
 }
 
 static __global__ void __launch_bounds__(BLOCK)
-    shade_pixels(const __grid_constant__ FfpPatternScene scene, const float *ambient, float *out) {
-    const FfpPatternLight light = light_of(&scene);
+    shade_pixels(const __grid_constant__ FfpPatternScene scene, const float *ambient, const float *scattered,
+                 float *out) {
+    FfpPatternLight light = light_of(&scene);
     const ptrdiff_t p = (ptrdiff_t)ffp_thread();
     if (p >= (ptrdiff_t)scene.width * scene.height) return;
-    ffp_shade_pixel(&light, (int)(p % scene.width), (int)(p / scene.width), ambient + 3 * p, out + 3 * p);
+    find_level(&scene, scattered, &light);
+    ffp_shade_pixel(&light, (int)(p % scene.width), (int)(p / scene.width), ambient + 3 * p,
+                    scattered ? scattered + 3 * p : NULL, out + 3 * p);
 }
 
 void ffp_cuda_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpTransport *transport,
                     const real intensity[3], const FfpSummed *pattern, FfpImage *out) {
     ffp_launch(shade_pixels, dim3(blocks_for(gbuffer)), dim3(BLOCK),
-               pattern_scene(mapping, transport, intensity, pattern, out), gbuffer->ambient, out->data);
+               pattern_scene(mapping, transport, intensity, pattern, out), gbuffer->ambient,
+               gbuffer->scattered, out->data);
 }
 
 static __global__ void __launch_bounds__(BLOCK)
     shade_pixels_backward(const __grid_constant__ FfpPatternScene scene, const float *grad_image,
-                          float *d_ambient, FfpTransport d_transport) {
-    const FfpPatternLight light = light_of(&scene);
+                          float *d_ambient, float *d_scattered, FfpTransport d_transport) {
+    FfpPatternLight light = light_of(&scene);
     const ptrdiff_t p = (ptrdiff_t)ffp_thread();
     if (p >= (ptrdiff_t)scene.width * scene.height) return;
     const int samples = scene.side * scene.side;
@@ -178,6 +190,8 @@ static __global__ void __launch_bounds__(BLOCK)
     const float d_sample[3] = {share * d[0], share * d[1], share * d[2]};
     float d_intensity[3] = {0, 0, 0}, d_texture[3];
     for (int k = 0; k < 3; k++) d_ambient[3 * p + k] += d[k];
+    find_level(&scene, d_scattered, &light);
+    for (int k = 0; d_scattered && k < 3; k++) d_scattered[3 * p + k] += light.level[k] * d[k];
     for (int i = 0; i < samples; i++) {
         const ptrdiff_t s = ffp_sample_of(&light, (int)(p % scene.width), (int)(p / scene.width), i);
         if (ffp_sample_lit(&light, s))
@@ -196,5 +210,5 @@ void ffp_cuda_shade_backward(const FfpMapping *mapping, const FfpTransport *tran
     }
     ffp_launch(shade_pixels_backward, dim3(blocks_for(grad_gbuffer)), dim3(BLOCK),
                pattern_scene(mapping, transport, intensity, pattern, grad_image), grad_image->data,
-               grad_gbuffer->ambient, *grad_transport);
+               grad_gbuffer->ambient, grad_gbuffer->scattered, *grad_transport);
 }

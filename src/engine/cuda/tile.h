@@ -61,7 +61,8 @@ static __device__ inline float *ffp_channel(const FfpGbuffer *g, int channel, pt
     if (channel < FFP_CHANNEL_ALBEDO) return g->normal + 3 * pixel + channel - FFP_CHANNEL_NORMAL;
     if (channel < FFP_CHANNEL_ROUGHNESS) return g->albedo + 3 * pixel + channel - FFP_CHANNEL_ALBEDO;
     if (channel < FFP_CHANNEL_AMBIENT) return g->roughness + pixel;
-    return g->ambient + 3 * pixel + channel - FFP_CHANNEL_AMBIENT;
+    if (channel < FFP_CHANNEL_SCATTERED) return g->ambient + 3 * pixel + channel - FFP_CHANNEL_AMBIENT;
+    return g->scattered + 3 * pixel + channel - FFP_CHANNEL_SCATTERED;
 }
 
 #endif

@@ -243,13 +243,14 @@ static FfpGaussians wanted_arrays(const FfpRenderGradients *out, int64_t count) 
                           .opacity = a->opacity,
                           .albedo = a->albedo,
                           .roughness = a->roughness,
-                          .ambient = a->ambient};
+                          .ambient = a->ambient,
+                          .scattered = a->scattered};
 }
 
 // Arrays of `own` that the caller has for it are the caller's, where one slot does all.
 static void lend_arrays(FfpGaussians *own, const FfpGaussians *wanted) {
     float **slots[] = {&own->centre, &own->scale,     &own->rotation, &own->opacity,
-                       &own->albedo, &own->roughness, &own->ambient};
+                       &own->albedo, &own->roughness, &own->ambient,  &own->scattered};
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute to = ffp_attribute(wanted, a);
         *slots[a] = to.data ? to.data : ffp_alloc((size_t)own->count * (size_t)to.width, sizeof(float));

@@ -225,6 +225,7 @@ static void begin_finer(Job *job, const FfpGaussians *gaussians, const FfpRender
         views[v] = &job->enlarged[v];
     }
     job->finer = ffp_procams_new(gaussians, job->capture, views, n, settings, !job->options->gaussians_only);
+    job->finer.blur = job->procams.blur;
     ffp_free(views);
     aim(job, &job->finer, false);
 }
@@ -278,6 +279,14 @@ static bool check_light(const Job *job, FfpError *err) {
     return true;
 }
 
+// The projector's blur where patterns are to be sharpened for it.
+static real blur_of(const Job *job) {
+    if (!job->options->sharpen) return 0;
+    if (!(job->capture->panel.blur > 0))
+        ffp_note("the capture knows no blur of its projector: there is nothing to sharpen for");
+    return job->capture->panel.blur;
+}
+
 static void solve(Job *job, FfpCompensationStats *stats) {
     const FfpCompensation *options = job->options;
     FfpProCams *procams = &job->procams;
@@ -285,12 +294,13 @@ static void solve(Job *job, FfpCompensationStats *stats) {
                   : options->gain > 0 ? options->gain
                                       : (double)ffp_procams_brightest(procams);
     reach(procams, options->paint, (real)stats->gain);
+    stats->psnr_dark = ffp_procams_psnr(procams);
+    solve_finely(job, (real)stats->gain);
+    // Where patterns scatter light, what is too dark depends on them.
     const FfpGamut gamut = ffp_procams_gamut(procams);
     stats->unlit = gamut.unlit;
     stats->too_dark = gamut.too_dark;
     stats->too_bright = gamut.too_bright;
-    stats->psnr_dark = ffp_procams_psnr(procams);
-    solve_finely(job, (real)stats->gain);
     stats->psnr_closed = ffp_procams_psnr(procams);
     ffp_procams_descend(procams, options->steps);
     ffp_procams_quantise(procams);
@@ -359,6 +369,7 @@ static FfpImages *run(const FfpGaussians *gaussians, const FfpCapture *capture,
     if (ok) {
         job.procams = ffp_procams_new(gaussians, capture, job.chosen.views, job.chosen.n_views, &settings,
                                       !options->gaussians_only);
+        job.procams.blur = blur_of(&job);
         aim(&job, &job.procams, true);
         ok = check_light(&job, err);
     }

@@ -102,11 +102,11 @@ static void take_means(FfpCompensationStats *sum, int frames) {
 
 static bool write_film(FilmJob *job, FfpError *err) {
     const FfpCompensation *options = job->options;
-    const int rate = options->rate > 0 ? options->rate : 15;
     FfpFrames frames;
     FfpRaw frame;
-    if (!ffp_film_open(&job->film, options->video, 0, rate, err)) return false;
-    int status = ffp_frames_open(&frames, options->targets[0], rate, err) ? 1 : -1, done = 0;
+    if (!ffp_film_open(&job->film, options->video, 0, options->rate, err)) return false;
+    int status = ffp_frames_open(&frames, options->targets[0], options->rate, err) ? 1 : -1, done = 0;
+    if (status > 0) ffp_film_follow(&job->film, &frames);
     const FfpTask task = ffp_task("correcting frames", frames.expected);
     while (status > 0 && (status = ffp_frames_next(&frames, &frame, err)) > 0) {
         if (!add_corrected(job, &frame, done == 0, err)) status = -1;

@@ -40,7 +40,11 @@ void ffp_fit_done(FfpGaussians *gaussians, const char *made_from, const FfpFitPh
     for (int i = 2; i < photographs->n_patterns; i++) // behind black and white
         ffp_made_from_add(gaussians->made_from, capture->patterns[photographs->patterns[i]].name);
     if (stats)
-        *stats =
-            (FfpRefinementStats){result->psnr_before, result->psnr_after, result->steps,  gaussians->count,
-                                 result->seconds,     result->stopped,    result->dropped};
+        *stats = (FfpRefinementStats){.psnr_before = result->psnr_before,
+                                      .psnr_after = result->psnr_after,
+                                      .steps = result->steps,
+                                      .gaussians = gaussians->count,
+                                      .elapsed_s = result->seconds,
+                                      .stopped = result->stopped,
+                                      .dropped = result->dropped};
 }

@@ -144,7 +144,7 @@ static void append(FfpGaussians *to, const FfpGaussians *more) {
         memcpy(whole.data + split, second.data, (size_t)more->count * (size_t)whole.width * sizeof(real));
     }
     memcpy(all.made_from, to->made_from, sizeof all.made_from);
-    all.baked = to->baked;
+    ffp_gaussians_take_notes(&all, to);
     ffp_gaussians_free(to);
     *to = all;
 }

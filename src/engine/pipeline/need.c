@@ -15,9 +15,10 @@
 #define MAPPED 16.0       // of a camera's pixel, for its map and the depths of lit pixels
 #define STAGED 130.0      // of a camera's pixel, for compensation
 #define SEEN 150.0        // of a projector's pixel, for maps of it
-#define PROJECTED 60.0    // of a projector's pixel, for compensation
+#define PROJECTED 90.0    // of a projector's pixel, for compensation
 #define LOOK (23 * REAL)  // of a pixel: what a look compares (engine/network/look_formula.h)
-#define PICTURE 28.0      // of a picture's pixel: linear and encoded, and as the file has it
+#define PICTURE 28.0      // of a picture's pixel: linear and encoded, and as the file has it,
+#define IN_STRIPS 3.0     // or, drawn in strips, only that
 #define SUMMED 24.0       // of a pattern's pixel, with a margin
 #define PULLED 155.0      // of a splat's gradients in its tiles
 
@@ -76,7 +77,8 @@ double ffp_pictures_bytes(double splats, const FfpCamera *camera, int samples, i
                           int pictures) {
     const double width = camera->width, drawn = fmin(rows + 2 * margin, camera->height) * width;
     const double smoothed = margin > 0 ? 4 * REAL * drawn : 0; // ffp_resolve_smoothly
-    return PICTURE * width * camera->height * pictures + ffp_drawing_bytes(splats, drawn, samples) + smoothed;
+    const double kept = rows < camera->height ? IN_STRIPS : PICTURE;
+    return kept * width * camera->height * pictures + ffp_drawing_bytes(splats, drawn, samples) + smoothed;
 }
 
 // Of a strip, and of what is kept of its pixels while it is drawn.
@@ -85,7 +87,7 @@ static double strip_bytes(double splats, const FfpCamera *camera, int samples, d
     return ffp_drawing_bytes(splats, pixels, samples) + kept * pixels;
 }
 
-double ffp_maps_bytes(double splats, const FfpView *view, int samples) {
+double ffp_warps_bytes(double splats, const FfpView *view, int samples) {
     const double camera = (double)view->camera.width * view->camera.height,
                  projector = (double)view->projector.width * view->projector.height;
     return strip_bytes(splats, &view->camera, samples, STAGED) + MAPPED * camera + SEEN * projector;

@@ -35,7 +35,7 @@ double ffp_pictures_bytes(double splats, const FfpCamera *camera, int samples, i
                           int pictures);
 
 // The bytes that the maps of a view take: the picture that is kept, and a strip while it is drawn.
-double ffp_maps_bytes(double splats, const FfpView *view, int samples);
+double ffp_warps_bytes(double splats, const FfpView *view, int samples);
 // The bytes that compensation takes (engine/apply/procams.h): all that is kept of all cameras' and
 // projectors' pixels, and the largest strip while it is drawn.
 double ffp_compensation_bytes(double splats, const FfpView *const *views, int n_views, int samples);

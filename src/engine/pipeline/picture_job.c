@@ -5,6 +5,7 @@
 #include "core/base/file.h"
 #include "core/base/listing.h"
 #include "core/base/memory.h"
+#include "core/capture/panel.h"
 #include "core/image/film.h"
 #include "core/image/frames.h"
 #include "core/image/framing.h"
@@ -275,7 +276,7 @@ static bool check_projectors(const FfpPictureJob *job, FfpError *err) {
 // Pictures from files are sharp; a capture's own patterns are as soft as its projector shows them.
 static void soften(FfpPictureJob *job) {
     for (int p = 0; p < job->n_patterns; p++)
-        if (job->owned[p]) ffp_image_blur(&job->patterns[p].image, job->capture->panel.blur);
+        if (job->owned[p]) ffp_panel_soften(&job->capture->panel, &job->patterns[p].image);
 }
 
 bool ffp_picture_job_new(FfpPictureJob *job, const FfpGaussians *gaussians, const FfpCapture *capture,

@@ -64,6 +64,7 @@ static bool check_names(const FfpPictureJob *job, FfpError *err) {
 // --- Writing them. ---
 
 enum { TOGETHER = 8 }; // patterns at most, under which a large view is drawn at once
+#define FILMED 15.0    // bytes of a pixel that becomes a film's: in floats, and encoded
 
 typedef struct Writer {
     const FfpPictureJob *job;
@@ -71,8 +72,8 @@ typedef struct Writer {
     FfpViewPass *pass;
     int written;
     const FfpView *drawn; // last; and of a large one
-    int first;            // the pictures under the patterns from here on
-    FfpImage pictures[TOGETHER];
+    int first;            // the pictures under the patterns from here on, [height, width, 3]:
+    unsigned char *pictures[TOGETHER];
 } Writer;
 
 static bool write_picture(Writer *writer, const FfpView *view, const FfpImage *picture, const char *rest,
@@ -123,8 +124,9 @@ static int margin_of(const Writer *writer, const FfpView *view) {
 
 static double picture_bytes(const Writer *writer, const FfpView *view, int samples, int pictures) {
     const int rows = is_in_strips(writer->job, view) ? ffp_strip_rows(&view->camera) : view->camera.height;
-    return ffp_pictures_bytes((double)writer->gaussians->count, &view->camera, samples, rows,
-                              margin_of(writer, view), pictures);
+    const double film = writer->job->options->video ? FILMED * view->camera.width * view->camera.height : 0;
+    return film + ffp_pictures_bytes((double)writer->gaussians->count, &view->camera, samples, rows,
+                                     margin_of(writer, view), pictures);
 }
 
 // How many patterns from `first` on a large view is drawn under together: in an orbit it has one of them.
@@ -138,26 +140,27 @@ static int count_together(const Writer *writer, const FfpView *view, int first) 
     return count;
 }
 
-// The same as relit.
+// All rows of a view under `count` patterns, in bytes: the picture of relit.
 static void draw_strips(Writer *writer, const FfpView *view, int first) {
     const FfpCamera *whole = &view->camera;
     const int rows = ffp_strip_rows(whole), count = count_together(writer, view, first);
     const int margin = margin_of(writer, view);
+    const size_t row = 3 * (size_t)whole->width;
     FfpGbuffer shadow = {0};
     for (int p = 0; p < count; p++) {
-        ffp_image_free(&writer->pictures[p]);
-        writer->pictures[p] = ffp_image_new(whole->width, whole->height, 3);
+        ffp_free(writer->pictures[p]);
+        writer->pictures[p] = ffp_alloc(row * (size_t)whole->height, 1);
     }
     ffp_view_pass_keep_shadow(writer->pass, &shadow);
     for (int top = 0; top < whole->height; top += rows) {
         const int above = ffp_smaller(top, margin), kept = ffp_smaller(rows, whole->height - top);
         const FfpCamera strip = ffp_strip_of(whole, top - above, above + kept + margin);
-        const size_t row = 3 * (size_t)whole->width;
         ffp_view_pass_draw(writer->pass, writer->gaussians, &strip, &view->projector);
         for (int p = 0; p < count; p++) {
             FfpImage part = relit(writer, first + p);
-            memcpy(writer->pictures[p].data + (size_t)top * row, part.data + (size_t)above * row,
-                   (size_t)kept * row * sizeof *part.data);
+            const real *from = part.data + (size_t)above * row;
+            unsigned char *to = writer->pictures[p] + (size_t)top * row;
+            for (size_t i = 0; i < (size_t)kept * row; i++) to[i] = (unsigned char)(from[i] * 255 + 0.5F);
             ffp_image_free(&part);
         }
     }
@@ -166,20 +169,51 @@ static void draw_strips(Writer *writer, const FfpView *view, int first) {
     writer->first = first;
 }
 
-// A view under a pattern, drawn if the last one was another.
-static FfpImage picture_of(Writer *writer, const FfpView *view, int pattern) {
+typedef struct Bytes {
+    const unsigned char *data;
+    size_t row;
+} Bytes;
+
+static void row_of_bytes(void *context, int y, real *row) {
+    const Bytes *bytes = context;
+    for (size_t i = 0; i < bytes->row; i++) row[i] = bytes->data[(size_t)y * bytes->row + i] / (real)255;
+}
+
+static bool write_bytes(const FfpCamera *camera, const unsigned char *data, const char *path, FfpFilm *film,
+                        FfpError *err) {
+    Bytes bytes = {data, 3 * (size_t)camera->width};
+    const FfpRows rows = {camera->width, camera->height, 3, row_of_bytes, &bytes};
+    if (!ffp_image_write_png_rows(&rows, 8, path, err)) return false;
+    if (!film) return true;
+    FfpImage picture = ffp_image_new(camera->width, camera->height, 3);
+    for (int y = 0; y < camera->height; y++) row_of_bytes(&bytes, y, picture.data + (size_t)y * bytes.row);
+    const bool ok = ffp_film_add(film, &picture, err);
+    ffp_image_free(&picture);
+    return ok;
+}
+
+// A view under a pattern, drawn if the last one was another; into a film, too, unless that is NULL.
+static bool write_drawn(Writer *writer, const FfpView *view, int pattern, const char *path, FfpFilm *film,
+                        FfpError *err) {
     const bool strips = is_in_strips(writer->job, view), other = writer->drawn != view;
     writer->drawn = view;
+    writer->written++;
     if (!strips) {
         if (other) ffp_view_pass_draw(writer->pass, writer->gaussians, &view->camera, &view->projector);
-        return relit(writer, pattern);
+        FfpImage picture = relit(writer, pattern);
+        const bool ok =
+            ffp_image_write_png(&picture, path, err) && (!film || ffp_film_add(film, &picture, err));
+        ffp_image_free(&picture);
+        return ok;
     }
     if (other || pattern < writer->first || pattern >= writer->first + TOGETHER ||
-        !writer->pictures[pattern - writer->first].data)
+        !writer->pictures[pattern - writer->first])
         draw_strips(writer, view, pattern);
-    FfpImage *held = &writer->pictures[pattern - writer->first], picture = *held;
-    *held = (FfpImage){0};
-    return picture;
+    unsigned char **held = &writer->pictures[pattern - writer->first];
+    const bool ok = write_bytes(&view->camera, *held, path, film, err);
+    ffp_free(*held);
+    *held = NULL;
+    return ok;
 }
 
 // Before the work: that the largest picture fits into memory.
@@ -194,11 +228,10 @@ static bool write_view(Writer *writer, const FfpView *view, FfpError *err) {
     const FfpPictureJob *job = writer->job;
     bool ok = true;
     for (int p = 0; ok && p < job->n_patterns; p++) {
-        char rest[FFP_NAME_MAX + 8];
+        char rest[FFP_NAME_MAX + 8], path[FFP_PATH_MAX];
         snprintf(rest, sizeof rest, "%s.png", job->patterns[p].name);
-        FfpImage picture = picture_of(writer, view, p);
-        ok = write_picture(writer, view, &picture, rest, err);
-        ffp_image_free(&picture);
+        ok = ffp_picture_path(path, sizeof path, job->options->folder, view->id, rest, err) &&
+             write_drawn(writer, view, p, path, NULL, err);
     }
     return ok && (!job->options->maps || write_maps(writer, view, err));
 }
@@ -208,13 +241,8 @@ static bool write_frame(Writer *writer, const FfpView *view, int pattern, FfpFil
     const FfpPictures *options = writer->job->options;
     char name[32], path[FFP_PATH_MAX];
     snprintf(name, sizeof name, "%04d.png", writer->written);
-    FfpImage picture = picture_of(writer, view, pattern);
-    const bool ok = ffp_picture_path(path, sizeof path, options->folder, "frame", name, err) &&
-                    ffp_image_write_png(&picture, path, err) &&
-                    (!options->video || ffp_film_add(film, &picture, err));
-    writer->written++;
-    ffp_image_free(&picture);
-    return ok;
+    return ffp_picture_path(path, sizeof path, options->folder, "frame", name, err) &&
+           write_drawn(writer, view, pattern, path, options->video ? film : NULL, err);
 }
 
 // The frames of an orbit are divided among the patterns; without an orbit, each view is drawn under each.
@@ -272,7 +300,7 @@ int ffp_pictures_run(const FfpGaussians *gaussians, const FfpCapture *capture, c
         writer.pass = ffp_view_pass_new(&settings);
         ok = (ffp_is_sequence(options) ? write_sequence : write_views)(&writer, err);
         ffp_view_pass_free(writer.pass);
-        for (int p = 0; p < TOGETHER; p++) ffp_image_free(&writer.pictures[p]);
+        for (int p = 0; p < TOGETHER; p++) ffp_free(writer.pictures[p]);
         if (ok) remove(mark);
     }
     ffp_picture_job_free(&job);

@@ -1,5 +1,7 @@
 // From a capture to Gaussians in its own units: normalise, match, (network,) back to the world.
 #include "engine/pipeline/reconstruct.h"
+#include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,6 +22,7 @@
 #include "engine/pipeline/need.h"
 #include "engine/pipeline/normalised.h"
 #include "engine/pipeline/relight.h"
+#include "engine/pipeline/scattered.h"
 #include "engine/refine/pyramid.h"
 #include "engine/refine/thin.h"
 
@@ -189,6 +192,7 @@ static bool polish(Work *w, const FfpReconstruction *options, FfpReconstructionS
     const int n = fitted_photographs(w, patterns);
     settings.there = capture_there(w);
     settings.codes = n - w->n_photographs;
+    ffp_scattered_start(&w->result, &w->capture, patterns, n);
     const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, w->pixel};
     settings.render = ffp_drawing_settings(options->drawing, options->model);
     if (!ffp_refine_pyramid(&w->result, &origin, &w->capture, patterns, n, &settings, &result, err))
@@ -399,24 +403,38 @@ FfpPrepared *ffp_reconstruction_inputs(const FfpCapture *capture, const FfpRecon
     return prepared;
 }
 
+// Mean of one figure (its offset) over the views that have it; NaN: none has.
+static double mean_of(const FfpViewScore *scores, int n, size_t figure) {
+    double sum = 0;
+    int count = 0;
+    for (int v = 0; v < n; v++) {
+        const double value = *(const double *)((const char *)&scores[v] + figure);
+        if (isfinite(value)) sum += value, count++;
+    }
+    return count > 0 ? sum / count : NAN;
+}
+
 bool ffp_reconstruction_score(const FfpGaussians *gaussians, const FfpCapture *capture,
                               const FfpReconstruction *options, FfpReconstructionStats *stats,
                               FfpError *err) {
-    int photographs[FFP_PATTERNS_MAX], least = 0;
+    int photographs[FFP_PATTERNS_MAX + FFP_UNSEEN_MAX], least = 0;
     const double begin = ffp_seconds();
     const int n = ffp_capture_photographs(capture, options->patterns, options->n_patterns, photographs, err);
     if (n < 0) return false;
+    stats->unseen = ffp_capture_unseen(capture, photographs, n, photographs + n);
     const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, options->model);
-    double *psnr = ffp_alloc((size_t)capture->n_views, sizeof *psnr), sum = 0;
-    ffp_photographs_psnr_by_view(gaussians, capture, photographs, n, &settings, psnr);
-    for (int v = 0; v < capture->n_views; v++) {
-        sum += psnr[v];
-        if (psnr[v] < psnr[least]) least = v;
-    }
-    stats->psnr = sum / capture->n_views;
-    stats->least_psnr = psnr[least];
+    FfpViewScore *scores = ffp_alloc((size_t)capture->n_views, sizeof *scores);
+    ffp_photographs_score(gaussians, capture, photographs, n + stats->unseen, stats->unseen, &settings,
+                          scores);
+    for (int v = 0; v < capture->n_views; v++)
+        if (scores[v].psnr < scores[least].psnr) least = v;
+    stats->psnr = mean_of(scores, capture->n_views, offsetof(FfpViewScore, psnr));
+    stats->lit_psnr = mean_of(scores, capture->n_views, offsetof(FfpViewScore, lit));
+    stats->unseen_psnr = mean_of(scores, capture->n_views, offsetof(FfpViewScore, unseen));
+    stats->unseen_lit_psnr = mean_of(scores, capture->n_views, offsetof(FfpViewScore, unseen_lit));
+    stats->least_psnr = scores[least].psnr;
     snprintf(stats->least_view, sizeof stats->least_view, "%s", capture->views[least].id);
-    ffp_free(psnr);
+    ffp_free(scores);
     stats->score_s = ffp_seconds() - begin;
     return true;
 }

@@ -15,7 +15,8 @@ FfpGaussians *ffp_reconstruction_run(const FfpCapture *capture, const FfpReconst
                                      FfpReconstructionStats *stats, FfpError *err);
 
 // How well its Gaussians reproduce the capture's photographs, with their noise, under the patterns that it
-// used: sets psnr, least_psnr, least_view and score_s of `stats`.
+// used, and predict those of ffp_capture_unseen: sets the figures of `stats` in dB, least_view, unseen and
+// score_s.
 bool ffp_reconstruction_score(const FfpGaussians *gaussians, const FfpCapture *capture,
                               const FfpReconstruction *options, FfpReconstructionStats *stats, FfpError *err);
 

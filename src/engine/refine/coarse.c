@@ -45,6 +45,7 @@ static void gather(const FfpGaussians *fine, int64_t i, FfpGaussians *sums, int6
         sums->scale[3 * j + k] += w * fine->scale[3 * i + k];
         sums->albedo[3 * j + k] += w * fine->albedo[3 * i + k];
         sums->ambient[3 * j + k] += w * fine->ambient[3 * i + k];
+        sums->scattered[3 * j + k] += w * fine->scattered[3 * i + k];
     }
     sums->roughness[j] += w * fine->roughness[i];
     sums->opacity[j] += w;
@@ -57,6 +58,7 @@ static void settle(FfpGaussians *sums, int64_t j, int side) {
         sums->scale[3 * j + k] *= per * (real)side;
         sums->albedo[3 * j + k] *= per;
         sums->ambient[3 * j + k] *= per;
+        sums->scattered[3 * j + k] *= per;
     }
     sums->roughness[j] *= per;
     sums->opacity[j] /= (real)(side * side);
@@ -69,7 +71,7 @@ FfpCoarse ffp_coarse_new(const FfpGaussians *fine, const FfpOrigin *o, int side)
     int64_t *leader = ffp_alloc((size_t)blocks, sizeof *leader), count = 0;
     c.of_block = ffp_alloc((size_t)blocks, sizeof *c.of_block);
     c.gaussians = ffp_gaussians_new(find_leaders(fine, o, &c, leader));
-    c.gaussians.baked = fine->baked;
+    ffp_gaussians_take_notes(&c.gaussians, fine);
     for (int64_t b = 0; b < blocks; b++) c.of_block[b] = leader[b] < 0 ? -1 : count++;
     for (int64_t i = 0; i < fine->count; i++) {
         const int64_t b = block_of(o, o->pixel[i], side, c.across, c.down), l = leader[b];
@@ -99,6 +101,11 @@ static real moved_by_logit(real p, real step) {
     return 1 / (1 + exp(-logit(p) - step));
 }
 
+static real moved_by_root(real s, real step) {
+    const real root = fmax(sqrt(s) + step, (real)0);
+    return root * root;
+}
+
 // Hamilton's product a b, with b's inverse where it is asked for; all of length 1.
 static void multiply(const real a[4], const real b[4], bool inverse, real out[4]) {
     const real s = inverse ? -1 : 1, w = b[0], x = s * b[1], y = s * b[2], z = s * b[3];
@@ -108,7 +115,8 @@ static void multiply(const real a[4], const real b[4], bool inverse, real out[4]
     out[3] = a[0] * z + a[1] * y - a[2] * x + a[3] * w;
 }
 
-// The changes: differences of places, of logarithms of sizes and of logits, and turns, in Gaussians' shape.
+// The changes: differences of places, of logarithms of sizes, of logits and of roots, and turns, in
+// Gaussians' shape.
 static FfpGaussians changes(const FfpGaussians *after, const FfpGaussians *before) {
     FfpGaussians d = ffp_gaussians_new(after->count);
 #pragma omp parallel for schedule(static)
@@ -118,6 +126,7 @@ static FfpGaussians changes(const FfpGaussians *after, const FfpGaussians *befor
             d.scale[k] = log(after->scale[k] / before->scale[k]);
             d.albedo[k] = logit(after->albedo[k]) - logit(before->albedo[k]);
             d.ambient[k] = logit(after->ambient[k]) - logit(before->ambient[k]);
+            d.scattered[k] = sqrt(after->scattered[k]) - sqrt(before->scattered[k]);
         }
         real *turn = d.rotation + 4 * i;
         multiply(after->rotation + 4 * i, before->rotation + 4 * i, true, turn);
@@ -169,6 +178,7 @@ static void change(FfpGaussians *g, int64_t i, const FfpGaussians *d, const Arou
         g->scale[3 * i + k] *= exp(step[FFP_SCALE][k]);
         g->albedo[3 * i + k] = moved_by_logit(g->albedo[3 * i + k], step[FFP_ALBEDO][k]);
         g->ambient[3 * i + k] = moved_by_logit(g->ambient[3 * i + k], step[FFP_AMBIENT][k]);
+        g->scattered[3 * i + k] = moved_by_root(g->scattered[3 * i + k], step[FFP_SCATTERED][k]);
     }
     g->opacity[i] = moved_by_logit(g->opacity[i], step[FFP_OPACITY][0]);
     g->roughness[i] = moved_by_logit(g->roughness[i], step[FFP_ROUGHNESS][0]);

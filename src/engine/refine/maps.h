@@ -42,6 +42,7 @@ FFP_FORMULA void ffp_encode(const FfpGaussians *g, int64_t i, bool local, const 
         n->scale[at] = log(fmax(g->scale[at], FFP_DEVIATION_LEAST));
         n->albedo[at] = ffp_logit(g->albedo[at]);
         n->ambient[at] = ffp_logit(g->ambient[at]);
+        n->scattered[at] = g->scatters ? sqrt(g->scattered[at]) : 0;
     }
     n->opacity[i] = ffp_logit(g->opacity[i]);
     n->roughness[i] = ffp_logit((g->roughness[i] - FFP_ROUGHNESS_FLOOR) / (1 - FFP_ROUGHNESS_FLOOR));
@@ -74,6 +75,7 @@ FFP_FORMULA void ffp_decode(const FfpParameters *p, int64_t i, const FfpGaussian
         out->scale[at] = ffp_deviation_of(n->scale[at], p->most * p->unit[i]);
         out->albedo[at] = ffp_number_sigmoid(n->albedo[at]);
         out->ambient[at] = ffp_number_sigmoid(n->ambient[at]);
+        out->scattered[at] = n->scattered[at] * n->scattered[at];
     }
     out->opacity[i] = ffp_number_sigmoid(n->opacity[i]);
     out->roughness[i] = ffp_roughness_of(n->roughness[i]);
@@ -117,6 +119,7 @@ FFP_FORMULA void ffp_pull_back(const FfpParameters *p, const FfpGaussians *d, in
         grad->scale[at] *= d->scale[at];
         grad->albedo[at] *= ffp_number_sigmoid_slope(d->albedo[at]);
         grad->ambient[at] *= ffp_number_sigmoid_slope(d->ambient[at]);
+        grad->scattered[at] *= 2 * p->numbers.scattered[at];
     }
     grad->opacity[i] *= ffp_number_sigmoid_slope(d->opacity[i]);
     grad->roughness[i] *= ffp_roughness_slope(d->roughness[i]);

@@ -90,7 +90,7 @@ static void gather(real **data, int width, const int64_t *from, int64_t count) {
 
 void ffp_gaussians_gather(FfpGaussians *gaussians, const int64_t *from, int64_t count) {
     FfpGaussians out = ffp_gaussians_new(count);
-    out.baked = gaussians->baked;
+    ffp_gaussians_take_notes(&out, gaussians);
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute old = ffp_attribute(gaussians, a);
         gather_rows(old.data, old.width, from, count, ffp_attribute(&out, a).data);

@@ -13,7 +13,8 @@ typedef struct FfpRates {      // of each attribute
 } FfpRates;
 
 // Numbers have the shape of Gaussians: centre = origin + unit * R(frame) number; scale = exp,
-// at most `most` units; rotation = number / length; opacity, albedo, ambient = sigmoid; roughness = 0.05 +
+// at most `most` units; rotation = number / length; opacity, albedo, ambient = sigmoid; scattered =
+// number^2, so that what is 0 stays 0; roughness = 0.05 +
 // 0.95 sigmoid. Of a flat set the third deviation is a twentieth of the smaller of the others, and has no
 // number of its own.
 typedef struct FfpParameters {

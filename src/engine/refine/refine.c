@@ -21,14 +21,16 @@ FfpRefineSettings ffp_refine_defaults(void) {
                            [FFP_OPACITY] = 0.02F,
                            [FFP_ALBEDO] = 0.02F,
                            [FFP_ROUGHNESS] = 0.0025F,
-                           [FFP_AMBIENT] = 0.02F},
+                           [FFP_AMBIENT] = 0.02F,
+                           [FFP_SCATTERED] = 0.002F},
                   .pull = {[FFP_CENTRE] = 2,
                            [FFP_SCALE] = 2,
                            [FFP_ROTATION] = 2,
                            [FFP_OPACITY] = 2,
                            [FFP_ALBEDO] = 0.4F,
                            [FFP_ROUGHNESS] = 2,
-                           [FFP_AMBIENT] = 0.4F},
+                           [FFP_AMBIENT] = 0.4F,
+                           [FFP_SCATTERED] = 0.4F},
                   .shared_roughness = 0.05F},
         .decay = 0.1,
         .centre_decay = 0.1,
@@ -51,11 +53,13 @@ FfpRefineSettings ffp_polish_defaults(int64_t steps) {
     FfpRefineSettings s = ffp_refine_defaults();
     const real faster[FFP_ATTRIBUTES] = {
         [FFP_CENTRE] = 7.2F, [FFP_SCALE] = 9.6F,     [FFP_ROTATION] = 1.8F, [FFP_OPACITY] = 19.2F,
-        [FFP_ALBEDO] = 2.4F, [FFP_ROUGHNESS] = 4.8F, [FFP_AMBIENT] = 4.8F};
+        [FFP_ALBEDO] = 2.4F, [FFP_ROUGHNESS] = 4.8F, [FFP_AMBIENT] = 4.8F,  [FFP_SCATTERED] = 6};
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         s.rates.rate[a] *= faster[a];
         s.rates.pull[a] /= 20; // so few steps do not stray far
     }
+    // Otherwise its noise takes from the albedo (docs/lab/notebook/ambient-light.md).
+    s.rates.pull[FFP_SCATTERED] = 5;
     s.rates.shared_roughness *= 4;
     s.square = 10;
     s.mask = 0.3F;
@@ -123,7 +127,7 @@ static void copy(FfpGaussians *to, const FfpGaussians *from) {
         ffp_gaussians_free(to);
         *to = ffp_gaussians_new(from->count);
     }
-    to->baked = from->baked;
+    ffp_gaussians_take_notes(to, from);
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute x = ffp_attribute(from, a);
         ffp_memory_copy(ffp_attribute(to, a).data, x.data,
@@ -265,7 +269,7 @@ static Fit fit_new(const FfpGaussians *gaussians, const FfpCapture *capture, con
     for (int v = 0; v < capture->n_views; v++) fit.order[v] = v;
     fit.rng = ffp_rng(settings->seed, 1);
     ffp_parameters_decode(&fit.parameters, &fit.gaussians);
-    fit.gaussians.baked = gaussians->baked;
+    ffp_gaussians_take_notes(&fit.gaussians, gaussians);
     copy(&fit.best, &fit.gaussians);
     return fit;
 }

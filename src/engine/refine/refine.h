@@ -94,11 +94,16 @@ bool ffp_refine_offered(FfpGaussians *gaussians, const FfpCapture *capture, cons
 double ffp_photographs_psnr(const FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
                             int n_patterns, const FfpRenderSettings *render);
 
-// The same for each view, into psnr[n_views], on the CPU. Memory: a view's pass, two pictures and the
-// patterns.
-void ffp_photographs_psnr_by_view(const FfpGaussians *gaussians, const FfpCapture *capture,
-                                  const int *patterns, int n_patterns, const FfpRenderSettings *render,
-                                  double *psnr);
+// The same for one view: over the whole frame, and over the pixels of the object that white lights; of the
+// patterns that the Gaussians were made from, and of others. NaN: of nothing.
+typedef struct FfpViewScore {
+    double psnr, lit, unseen, unseen_lit;
+} FfpViewScore;
+// Of every view, into scores[n_views], on the CPU; the last n_unseen patterns are the others. Memory: a
+// view's pass, two pictures and the patterns.
+void ffp_photographs_score(const FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
+                           int n_patterns, int n_unseen, const FfpRenderSettings *render,
+                           FfpViewScore *scores);
 
 // ffp_summed_new on what the thread works on, pattern and table alike; released by ffp_summed_free.
 FfpSummed ffp_pattern_summed(const FfpImage *pattern);

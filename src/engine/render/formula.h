@@ -6,14 +6,16 @@
 #include "core/capture/capture.h"
 
 enum {
-    FFP_TILE = 16,           // pixels a side
-    FFP_CHANNELS = 12,       // what is blended: 1, depth, normal 3, albedo 3, roughness, ambient 3
-    FFP_SHADOW_CHANNELS = 2, // opacity and depth are enough for a shadow map
+    FFP_TILE = 16,     // pixels a side
+    FFP_CHANNELS = 15, // what is blended: 1, depth, normal 3, albedo 3, roughness, ambient 3, scattered 3
+    FFP_DIRECT_CHANNELS = 12, // of Gaussians that scatter no light
+    FFP_SHADOW_CHANNELS = 2,  // opacity and depth are enough for a shadow map
     FFP_CHANNEL_DEPTH = 1,
     FFP_CHANNEL_NORMAL = 2,
     FFP_CHANNEL_ALBEDO = 5,
     FFP_CHANNEL_ROUGHNESS = 8,
-    FFP_CHANNEL_AMBIENT = 9
+    FFP_CHANNEL_AMBIENT = 9,
+    FFP_CHANNEL_SCATTERED = 12
 };
 
 #define FFP_ALPHA_MIN (1.0F / 255.0F)

@@ -15,6 +15,10 @@ FfpGbuffer ffp_gbuffer_new(int width, int height) {
                         .distortion = ffp_memory_new(pixels, sizeof(real))};
 }
 
+void ffp_gbuffer_add_scattered(FfpGbuffer *g) {
+    if (!g->scattered) g->scattered = ffp_memory_new((size_t)g->width * (size_t)g->height, 3 * sizeof(real));
+}
+
 void ffp_gbuffer_clear(FfpGbuffer *g) {
     if (ffp_render_table()) {
         ffp_render_table()->gbuffer_clear(g);
@@ -27,6 +31,7 @@ void ffp_gbuffer_clear(FfpGbuffer *g) {
     ffp_memory_zero(g->albedo, 3 * plane);
     ffp_memory_zero(g->roughness, plane);
     ffp_memory_zero(g->ambient, 3 * plane);
+    if (g->scattered) ffp_memory_zero(g->scattered, 3 * plane);
     ffp_memory_zero(g->distortion, plane);
 }
 
@@ -37,6 +42,7 @@ void ffp_gbuffer_free(FfpGbuffer *g) {
     ffp_memory_free(g->albedo);
     ffp_memory_free(g->roughness);
     ffp_memory_free(g->ambient);
+    ffp_memory_free(g->scattered);
     ffp_memory_free(g->distortion);
     *g = (FfpGbuffer){0};
 }

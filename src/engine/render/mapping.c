@@ -2,6 +2,7 @@
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "core/base/device.h"
+#include "core/capture/project.h"
 #include "engine/render/kernels/kernels.h"
 #include "engine/render/table.h"
 
@@ -38,15 +39,21 @@ FfpGbuffer ffp_shadow_map(FfpRaster *raster, const FfpGaussians *gaussians, cons
     return *shadow;
 }
 
+// Centres on the CPU; *owned: to be freed, or NULL.
+static const real *centres_here(const FfpGaussians *gaussians, real **owned) {
+    const size_t numbers = 3 * (size_t)gaussians->count;
+    *owned = NULL;
+    if (!ffp_device()) return gaussians->centre;
+    *owned = ffp_alloc(numbers, sizeof **owned);
+    ffp_memory_download(*owned, gaussians->centre, numbers * sizeof **owned);
+    return *owned;
+}
+
 // How far the projector is from the mean of the centres.
 static real distance_to_middle(const FfpGaussians *gaussians, const FfpCamera *projector) {
     const size_t count = (size_t)gaussians->count;
-    const real *centre = gaussians->centre;
-    real *host = NULL, square = 0;
-    if (ffp_device()) {
-        centre = host = ffp_alloc(3 * count, sizeof *host);
-        ffp_memory_download(host, gaussians->centre, 3 * count * sizeof *host);
-    }
+    real *host, square = 0;
+    const real *centre = centres_here(gaussians, &host);
     for (int k = 0; k < 3; k++) {
         double sum = 0;
         for (size_t i = 0; i < count; i++) sum += (double)centre[3 * i + (size_t)k];
@@ -60,6 +67,23 @@ static real distance_to_middle(const FfpGaussians *gaussians, const FfpCamera *p
 real ffp_even_light(const FfpGaussians *gaussians, const FfpCamera *projector,
                     const FfpRenderSettings *settings) {
     return settings->even_light ? distance_to_middle(gaussians, projector) : 0;
+}
+
+void ffp_lit_box(const FfpGaussians *gaussians, const FfpCamera *projector, real lit[4]) {
+    const real width = (real)projector->width, height = (real)projector->height;
+    real low[2] = {width, height}, high[2] = {0, 0}, *host = NULL;
+    const real *centre = gaussians->scatters ? centres_here(gaussians, &host) : NULL;
+    for (int64_t i = 0; centre && i < gaussians->count; i++) {
+        real at[2];
+        if (!(ffp_project(projector, centre + 3 * i, &at[0], &at[1]) > 0)) continue;
+        for (int k = 0; k < 2; k++) low[k] = fmin(low[k], at[k]), high[k] = fmax(high[k], at[k]);
+    }
+    ffp_free(host);
+    low[0] = fmax(low[0], (real)0), low[1] = fmax(low[1], (real)0);
+    high[0] = fmin(high[0], width), high[1] = fmin(high[1], height);
+    const bool none = !(high[0] > low[0] && high[1] > low[1]);
+    lit[0] = none ? width / 2 : (low[0] + high[0]) / 2, lit[1] = none ? height / 2 : (low[1] + high[1]) / 2;
+    lit[2] = none ? width : high[0] - low[0], lit[3] = none ? height : high[1] - low[1];
 }
 
 void ffp_map_with_shadow(const FfpGbuffer *shadow, const FfpGbuffer *gbuffer, const FfpCamera *camera,
@@ -79,5 +103,6 @@ void ffp_map_to_projector(FfpRaster *raster, const FfpGaussians *gaussians, cons
                           const FfpRenderSettings *settings, FfpMapping *out) {
     const FfpGbuffer shadow = ffp_shadow_map(raster, gaussians, projector, settings);
     out->even = ffp_even_light(gaussians, projector, settings);
+    ffp_lit_box(gaussians, projector, out->lit);
     ffp_map_with_shadow(&shadow, gbuffer, camera, projector, settings, out);
 }

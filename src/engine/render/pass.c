@@ -16,8 +16,9 @@ struct FfpViewPass {
     FfpMapping mapping;            // of the samples
     real outline;                  // deviation in pixels of the picture (outline.h), 0: as it is
     FfpGbuffer *kept_shadow;       // the caller's
-    FfpGbuffer samples, mean;      // the same memory when there is one sample a pixel; means of opacity and
-    bool averaged;                 // ambient colour are always there, the others once they are asked for
+    FfpGbuffer samples, mean;      // the same memory when there is one sample a pixel; means of opacity,
+    bool averaged;                 // ambient and scattered colour are always there, the others once they are
+                                   // asked for
     FfpTransport transport;
     bool keeps_look;         // the transport keeps what shading sees
     bool lit;                // the transport is this view's
@@ -64,6 +65,15 @@ void ffp_view_pass_free(FfpViewPass *pass) {
     ffp_free(pass);
 }
 
+// Light that is scattered has planes from the first draw of Gaussians that scatter any.
+static void fit_scattered(FfpGbuffer *samples, FfpGbuffer *mean, int side) {
+    ffp_gbuffer_add_scattered(samples);
+    if (side == 1)
+        mean->scattered = samples->scattered;
+    else
+        ffp_gbuffer_add_scattered(mean);
+}
+
 // Buffers for pictures of width x height.
 static void fit_buffers(FfpViewPass *pass, int width, int height) {
     const int side = pass->settings.samples;
@@ -92,6 +102,7 @@ static void fit_grad_buffers(FfpViewPass *pass) {
         ffp_gbuffer_clear(&pass->grad_mean);
         if (pass->grad_lit) ffp_transport_clear(&pass->grad_transport);
     }
+    if (pass->samples.scattered) fit_scattered(&pass->grad_samples, &pass->grad_mean, side);
     pass->grad_clear = true;
     pass->grad_lit = false;
 }
@@ -143,12 +154,15 @@ void ffp_view_pass_samples_changed(FfpViewPass *pass) {
     const FfpGbuffer *mean = &pass->mean;
     ffp_average_plane(pass->samples.opacity, side, mean->width, mean->height, 1, mean->opacity);
     ffp_average_plane(pass->samples.ambient, side, mean->width, mean->height, 3, mean->ambient);
+    if (mean->scattered)
+        ffp_average_plane(pass->samples.scattered, side, mean->width, mean->height, 3, mean->scattered);
 }
 
 void ffp_view_pass_draw(FfpViewPass *pass, const FfpGaussians *gaussians, const FfpCamera *camera,
                         const FfpCamera *projector) {
     ffp_cancel_point();
     fit_buffers(pass, camera->width, camera->height);
+    if (gaussians->scatters) fit_scattered(&pass->samples, &pass->mean, pass->settings.samples);
     pass->gaussians = gaussians;
     pass->camera = sample_camera(camera, pass->settings.samples);
     pass->projector = *projector;
@@ -156,6 +170,7 @@ void ffp_view_pass_draw(FfpViewPass *pass, const FfpGaussians *gaussians, const 
         pass->settings.smooth && pass->settings.samples > 1 ? ffp_outline_deviation(gaussians, camera) : 0;
     pass->grad_clear = false;
     pass->mapping.even = ffp_even_light(gaussians, projector, &pass->settings);
+    ffp_lit_box(gaussians, projector, pass->mapping.lit);
     ffp_rasterise(pass->raster, gaussians, &pass->camera, &pass->settings, &pass->samples);
     ffp_view_pass_samples_changed(pass);
 }
@@ -233,6 +248,7 @@ void ffp_view_pass_radiance_backward(FfpViewPass *pass, const real intensity[3],
     if (pattern != pass->looked) seen.look = NULL; // what is kept there is another pattern's
     ffp_shade_backward(&pass->mapping, &seen, intensity, pattern, grad_linear, grad_mean,
                        &pass->grad_transport, grad_intensity, grad_pattern);
+    if (grad_pattern) ffp_shade_backward_level(&pass->mean, &pass->mapping, grad_linear, grad_pattern);
     if (pattern) pass->grad_lit = true;
 }
 

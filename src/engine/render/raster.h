@@ -14,7 +14,7 @@ enum {
 
 // A Gaussian as one view sees it.
 typedef struct FfpSplat {
-    _Alignas(32) real x, y;   // centre in pixels
+    _Alignas(16) real x, y;   // centre in pixels
     real power[3];            // density = opacity 2^(p0 dx^2 + p1 dx dy + p2 dy^2)
     real opacity;             // compensated
     real value[FFP_CHANNELS]; // blended attributes, in the order of the enum
@@ -45,6 +45,7 @@ struct FfpRaster {
     FfpDeviceRaster *device; // NULL: the CPU's, and what follows is in use
     int width, height, tiles_x, tiles_y;
     real firmness;    // of the settings
+    int channels;     // that are blended
     int32_t n_splats; // Gaussians of opacity 1/255 and more: room for as many splats
     FfpChunk chunks[FFP_CHUNKS];
     FfpSplat *splats;

@@ -46,7 +46,10 @@ void ffp_rasterise(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCa
     fit_to(raster, camera, settings);
     ffp_project_splats(raster, gaussians, camera, settings);
     ffp_bin_splats(raster);
-    ffp_blend(raster, out->normal ? FFP_CHANNELS : FFP_SHADOW_CHANNELS, out);
+    raster->channels = !out->normal     ? FFP_SHADOW_CHANNELS
+                       : out->scattered ? FFP_CHANNELS
+                                        : FFP_DIRECT_CHANNELS;
+    ffp_blend(raster, raster->channels, out);
 }
 
 void ffp_rasterise_backward(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,

@@ -46,9 +46,11 @@ typedef struct FfpGbuffer {
     real *albedo;     // sum W A, 3
     real *roughness;  // sum W rho
     real *ambient;    // sum W C_amb, 3
+    real *scattered;  // sum W C_sc, 3; NULL: not blended
     real *distortion; // sum_ij W_i W_j |z_i - z_j| over ordered pairs (FF-ProCams, Eq. 22)
 } FfpGbuffer;
-FfpGbuffer ffp_gbuffer_new(int width, int height); // zeroed; also used for gradients
+FfpGbuffer ffp_gbuffer_new(int width, int height); // zeroed, without scattered light; also used for gradients
+void ffp_gbuffer_add_scattered(FfpGbuffer *gbuffer); // zeroed; no change where it exists
 void ffp_gbuffer_clear(FfpGbuffer *gbuffer);
 void ffp_gbuffer_free(FfpGbuffer *gbuffer);
 
@@ -77,6 +79,7 @@ typedef struct FfpMapping {
     real *extent; // [.,2] footprint in projector pixels, >= 1 (1 when settings->footprint is off)
     real even;    // above 0: light is I / even^2 everywhere, whatever the cosine n.l: the distance between
                   // projector and the Gaussians' middle
+    real lit[4];  // centre and size of the box on the pattern in which the Gaussians lie, pixels
     real *visibility; // [0,1], 0 where the point is outside the pattern, behind the projector or O too small
 } FfpMapping;
 FfpMapping ffp_mapping_new(int width, int height);
@@ -84,14 +87,17 @@ void ffp_mapping_free(FfpMapping *mapping);
 // FfpMapping.even of these Gaussians: 0 where settings->even_light is off.
 real ffp_even_light(const FfpGaussians *gaussians, const FfpCamera *projector,
                     const FfpRenderSettings *settings);
+// FfpMapping.lit: the box around the centres of those that scatter light, within the projector's picture; all
+// of it where none does.
+void ffp_lit_box(const FfpGaussians *gaussians, const FfpCamera *projector, real lit[4]);
 // Rasterises the shadow map with `raster` when shadows are on (so call it before or after, never between, a
 // rasterise/backward pair that shares the raster).
 void ffp_map_to_projector(FfpRaster *raster, const FfpGaussians *gaussians, const FfpGbuffer *gbuffer,
                           const FfpCamera *camera, const FfpCamera *projector,
                           const FfpRenderSettings *settings, FfpMapping *out);
-// Its two parts, of which the second leaves out->even as it is. The shadow map holds opacity and depth as the
-// projector sees them, its longer side settings->shadow_side pixels, and is of size 0 when shadows are off
-// or those of this projector are baked; its planes are the raster's.
+// Its two parts, of which the second leaves out->even and ->lit as they are. The shadow map holds opacity and
+// depth as the projector sees them, its longer side settings->shadow_side pixels, and is of size 0 when
+// shadows are off or those of this projector are baked; its planes are the raster's.
 FfpGbuffer ffp_shadow_map(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *projector,
                           const FfpRenderSettings *settings);
 void ffp_map_with_shadow(const FfpGbuffer *shadow, const FfpGbuffer *gbuffer, const FfpCamera *camera,
@@ -116,9 +122,9 @@ void ffp_light(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCa
 void ffp_light_backward(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
                         const FfpCamera *projector, const FfpTransport *grad, FfpGbuffer *grad_gbuffer);
 
-// A view under one pattern: linear radiance, unclamped, [height,width,3]. pattern NULL = black. Mapping and
-// transport may have side x side samples for each pixel of the picture: its radiance is their mean, and the
-// G-buffer is that of the means.
+// A view under one pattern, with the light that is scattered where the G-buffer holds it: linear radiance,
+// unclamped, [height,width,3]. pattern NULL = black. Mapping and transport may have side x side samples for
+// each pixel of the picture: its radiance is their mean, and the G-buffer is that of the means.
 void ffp_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpTransport *transport,
                const real intensity[3], const FfpSummed *pattern, FfpImage *out);
 // ffp_light and ffp_shade, for who wants one pattern alone.
@@ -126,11 +132,15 @@ void ffp_shade_once(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const 
                     const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern,
                     FfpImage *out);
 // If the transport keeps what a shading saw, that was the last and of this pattern. ADDS gradients: of the
-// G-buffer to its ambient colour alone, of the transport, and where not NULL of the
+// G-buffer to its ambient and scattered colours alone, of the transport, and where not NULL of the
 // intensity and the pattern's summed-area adjoint (see lookup.h). On a device these two must be NULL: the
 // program ends otherwise.
 void ffp_shade_backward(const FfpMapping *mapping, const FfpTransport *transport, const real intensity[3],
                         const FfpSummed *pattern, const FfpImage *grad_image, FfpGbuffer *grad_gbuffer,
                         FfpTransport *grad_transport, real grad_intensity[3], FfpSummed *grad_pattern);
+// ADDS the part of the pattern's adjoint that comes through its mean, if the G-buffer holds scattered light.
+// On the CPU alone.
+void ffp_shade_backward_level(const FfpGbuffer *gbuffer, const FfpMapping *mapping,
+                              const FfpImage *grad_image, FfpSummed *grad_pattern);
 
 #endif

@@ -4,7 +4,7 @@
 #include "engine/render/resolve_pixel.h"
 #include "engine/render/table.h"
 
-enum { PLANES = 7 };
+enum { PLANES = 8 };
 
 typedef struct Plane {
     real *data;
@@ -12,8 +12,8 @@ typedef struct Plane {
 } Plane;
 
 static void planes_of(const FfpGbuffer *g, Plane planes[PLANES]) {
-    const Plane all[PLANES] = {{g->opacity, 1},   {g->depth, 1},   {g->normal, 3},    {g->albedo, 3},
-                               {g->roughness, 1}, {g->ambient, 3}, {g->distortion, 1}};
+    const Plane all[PLANES] = {{g->opacity, 1},   {g->depth, 1},   {g->normal, 3},     {g->albedo, 3},
+                               {g->roughness, 1}, {g->ambient, 3}, {g->distortion, 1}, {g->scattered, 3}};
     memcpy(planes, all, sizeof all);
 }
 
@@ -39,7 +39,8 @@ void ffp_average_gbuffer(const FfpGbuffer *samples, int side, FfpGbuffer *out) {
     planes_of(samples, from);
     planes_of(out, to);
     for (int k = 0; k < PLANES; k++)
-        ffp_average_plane(from[k].data, side, out->width, out->height, to[k].channels, to[k].data);
+        if (to[k].data)
+            ffp_average_plane(from[k].data, side, out->width, out->height, to[k].channels, to[k].data);
 }
 
 void ffp_average_gbuffer_backward(const FfpGbuffer *grad_out, int side, FfpGbuffer *grad_samples) {
@@ -55,6 +56,7 @@ void ffp_average_gbuffer_backward(const FfpGbuffer *grad_out, int side, FfpGbuff
     for (int y = 0; y < grad_out->height; y++)
         for (int k = 0; k < PLANES; k++) {
             const ptrdiff_t row = (ptrdiff_t)y * grad_out->width * to[k].channels;
+            if (!to[k].data) continue;
             backward(from[k].data + row, grad_out->width, to[k].channels, side,
                      to[k].data + row * side * side);
         }

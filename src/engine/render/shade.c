@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "core/base/arena.h"
+#include "core/image/lookup.h"
 #include "engine/render/kernels/kernels.h"
 #include "engine/render/table.h"
 
@@ -57,10 +58,11 @@ void ffp_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpTr
         return;
     }
     const int side = transport->width / out->width;
-    const FfpPatternLight light = {transport, mapping->extent, intensity, pattern, side};
+    FfpPatternLight light = {transport, mapping->extent, intensity, pattern, side, {0}};
+    ffp_pattern_level(pattern, mapping->lit, light.level);
     FfpShadeRow *shade = ffp_render_kernels()->shade_row;
 #pragma omp parallel for schedule(static)
-    for (int y = 0; y < out->height; y++) shade(&light, y, gbuffer->ambient, out);
+    for (int y = 0; y < out->height; y++) shade(&light, y, gbuffer, out);
 }
 
 void ffp_shade_once(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
@@ -80,10 +82,11 @@ void ffp_shade_backward(const FfpMapping *mapping, const FfpTransport *transport
                                            grad_transport, grad_intensity, grad_pattern);
         return;
     }
-    const int side = transport->width / grad_image->width;
-    const FfpPatternLight light = {transport, mapping->extent, intensity, pattern, side};
-    const FfpShadeGrad grad = {grad_image, grad_gbuffer->ambient, grad_transport, grad_pattern};
-    const int height = grad_image->height;
+    const int side = transport->width / grad_image->width, height = grad_image->height;
+    FfpPatternLight light = {transport, mapping->extent, intensity, pattern, side, {0}};
+    ffp_pattern_level(pattern, mapping->lit, light.level);
+    const FfpShadeGrad grad = {grad_image, grad_gbuffer->ambient, grad_gbuffer->scattered, grad_transport,
+                               grad_pattern};
     // Rows keep their share of the intensity's gradient, added up in order: the same bits whoever is first.
     real *rows = ffp_alloc((size_t)height, 3 * sizeof(real));
     FfpShadeRowBackward *backward = ffp_render_kernels()->shade_row_backward;
@@ -92,4 +95,14 @@ void ffp_shade_backward(const FfpMapping *mapping, const FfpTransport *transport
     for (int y = 0; y < height; y++) backward(&light, y, &grad, rows + 3 * y);
     for (int i = 0; grad_intensity && i < 3 * height; i++) grad_intensity[i % 3] += rows[i];
     ffp_free(rows);
+}
+
+void ffp_shade_backward_level(const FfpGbuffer *gbuffer, const FfpMapping *mapping,
+                              const FfpImage *grad_image, FfpSummed *grad_pattern) {
+    const ptrdiff_t values = 3 * (ptrdiff_t)gbuffer->width * gbuffer->height;
+    double sum[3] = {0};
+    for (ptrdiff_t i = 0; gbuffer->scattered && i < values; i++)
+        sum[i % 3] += (double)(grad_image->data[i] * gbuffer->scattered[i]);
+    const real level[3] = {(real)sum[0], (real)sum[1], (real)sum[2]}, *lit = mapping->lit;
+    if (gbuffer->scattered) ffp_lookup_backward_pattern(grad_pattern, lit[0], lit[1], lit[2], lit[3], level);
 }

@@ -234,7 +234,14 @@ typedef struct FfpPatternLight {
     const real *intensity;    // [3]
     const FfpSummed *pattern; // NULL: black
     int side;
+    real level[3]; // the pattern's mean, which scattered light follows (ffp_pattern_level)
 } FfpPatternLight;
+
+// The pattern's mean over the part of it that falls on the Gaussians (FfpMapping.lit); NULL: black.
+FFP_FORMULA void ffp_pattern_level(const FfpSummed *pattern, const real lit[4], real level[3]) {
+    for (int k = 0; k < 3; k++) level[k] = 0;
+    if (pattern) ffp_box_mean(pattern, lit[0], lit[1], lit[2], lit[3], level);
+}
 
 // Sample i of the picture's pixel (x, y), row by row.
 FFP_FORMULA ptrdiff_t ffp_sample_of(const FfpPatternLight *light, int x, int y, int i) {
@@ -259,9 +266,10 @@ FFP_FORMULA void ffp_pattern_lookup(const FfpPatternLight *light, ptrdiff_t samp
     ffp_box_slopes(light->pattern, uv[0], uv[1], extent[0], extent[1], look, look + 3, look + 6);
 }
 
-// Radiance that pixel (x, y) shows, linear, unclamped, times its opacity.
+// Radiance that pixel (x, y) shows, linear, unclamped, times its opacity. scattered: of the G-buffer, or
+// NULL.
 FFP_FORMULA void ffp_shade_pixel(const FfpPatternLight *light, int x, int y, const real ambient[3],
-                                 real out[3]) {
+                                 const real scattered[3], real out[3]) {
     const int samples = light->side * light->side;
     const real share = 1 / (real)samples;
     real sum[3] = {0, 0, 0};
@@ -277,6 +285,7 @@ FFP_FORMULA void ffp_shade_pixel(const FfpPatternLight *light, int x, int y, con
         for (int k = 0; k < 3; k++) sum[k] += light->transport->factor[3 * s + k] * texture[k];
     }
     for (int k = 0; k < 3; k++) out[k] = ambient[k] + share * light->intensity[k] * sum[k];
+    for (int k = 0; scattered && k < 3; k++) out[k] += light->level[k] * scattered[k];
 }
 
 // From the gradient of a lit sample's radiance: adds those of the transport and of the intensity. d_texture:

@@ -1,6 +1,7 @@
-// Better poses for a capture.
+// Better poses for a capture, and those of another projector.
 #include "engine/pipeline/align.h"
 #include "core/base/call.h"
+#include "engine/pipeline/found_projector.h"
 #include "engine/pipeline/register.h"
 #include "product/api/arguments.h"
 
@@ -42,4 +43,22 @@ bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const FfpAlignmen
     if (own.gaussians && own.focal_lengths)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "focal_lengths", "are not found from known Gaussians");
     return ffp_call_run(context, work, &call, err);
+}
+
+typedef struct FindingCall {
+    FfpCapture *capture;
+    const FfpGaussians *gaussians;
+    FfpFoundProjector *found;
+} FindingCall;
+
+static bool find_projector(void *argument, FfpError *err) {
+    const FindingCall *call = argument;
+    return ffp_found_projector(call->capture, call->gaussians, call->found, err);
+}
+
+bool ffp_find_projector(FfpContext *context, FfpCapture *capture, const FfpGaussians *gaussians,
+                        FfpFoundProjector *found, FfpError *err) {
+    FindingCall call = {capture, gaussians, found};
+    return ffp_need_photographs(capture, err) && ffp_need_gaussians(gaussians, err) &&
+           ffp_call_run(context, find_projector, &call, err);
 }

@@ -2,7 +2,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "core/base/error.h"
-#include "core/capture/capture.h"
+#include "core/capture/manifest.h"
 #include "engine/render/render.h"
 
 bool ffp_need(const void *thing, const char *name, FfpError *err) {
@@ -71,6 +71,9 @@ bool ffp_check_reconstruction(const FfpReconstruction *options, FfpError *err) {
                         (long long)options->polish);
     if (options->layers != FFP_LAYERS_AUTO && !(options->layers >= 0))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "layers", "%g is not 0 or more", options->layers);
+    if (options->width != 0 && (options->width < FFP_CAMERA_SIDE_MIN || options->width > FFP_IMAGE_SIDE_MAX))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "width", "%lld is not in %d to %d",
+                        (long long)options->width, FFP_CAMERA_SIDE_MIN, FFP_IMAGE_SIDE_MAX);
     return ffp_need_texts(options->patterns, options->n_patterns, "patterns", err) &&
            check_noise(options->noise, err) && ffp_check_drawing(options->drawing, err);
 }

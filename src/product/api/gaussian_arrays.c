@@ -11,9 +11,15 @@
 #include "product/api/memory.h"
 
 FfpGaussianArrays ffp_gaussians_arrays(FfpGaussians *gaussians) {
-    return (FfpGaussianArrays){gaussians->count,     gaussians->centre,  gaussians->scale,
-                               gaussians->rotation,  gaussians->opacity, gaussians->albedo,
-                               gaussians->roughness, gaussians->ambient};
+    return (FfpGaussianArrays){.count = gaussians->count,
+                               .centre = gaussians->centre,
+                               .scale = gaussians->scale,
+                               .rotation = gaussians->rotation,
+                               .opacity = gaussians->opacity,
+                               .albedo = gaussians->albedo,
+                               .roughness = gaussians->roughness,
+                               .ambient = gaussians->ambient,
+                               .scattered = gaussians->scattered};
 }
 
 // The range of the caller's numbers, and their place.
@@ -33,6 +39,7 @@ static bool all_within(const Range *range, int64_t count) {
 static bool check_attribute(int64_t count, int attribute, const Range *range, FfpError *err) {
     const char *name = ffp_attributes[attribute].name;
     const int width = ffp_attributes[attribute].width;
+    if (!range->from && attribute == FFP_SCATTERED) return true; // none
     if (!range->from) return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "the array is missing");
     if (all_within(range, count * width)) return true;
     for (int64_t i = 0; i < count * width; i++) {
@@ -67,7 +74,7 @@ bool ffp_check_arrays(const FfpGaussianArrays *a, FfpError *err) {
         [FFP_CENTRE] = {a->centre, -1e9, 1e9},     [FFP_SCALE] = {a->scale, 1e-20, 1e9},
         [FFP_ROTATION] = {a->rotation, -1e3, 1e3}, [FFP_OPACITY] = {a->opacity, 0, 1},
         [FFP_ALBEDO] = {a->albedo, 0, 1e6},        [FFP_ROUGHNESS] = {a->roughness, 0, 1},
-        [FFP_AMBIENT] = {a->ambient, 0, 1e6},
+        [FFP_AMBIENT] = {a->ambient, 0, 1e6},      [FFP_SCATTERED] = {a->scattered, 0, 1e6},
     };
     bool ok = true;
     for (int i = 0; ok && i < FFP_ATTRIBUTES; i++) ok = check_attribute(a->count, i, &ranges[i], err);
@@ -87,6 +94,12 @@ bool ffp_need_gaussians(const FfpGaussians *g, FfpError *err) {
     return ok && check_rotations(g->count, g->rotation, err);
 }
 
+static bool any_above_zero(const float *numbers, int64_t count) {
+    unsigned any = 0;
+    for (int64_t i = 0; numbers && i < count; i++) any |= numbers[i] > 0;
+    return any != 0;
+}
+
 FfpGaussians ffp_gaussians_of(const FfpGaussianArrays *a) {
     return (FfpGaussians){.count = a->count,
                           .centre = a->centre,
@@ -95,7 +108,9 @@ FfpGaussians ffp_gaussians_of(const FfpGaussianArrays *a) {
                           .opacity = a->opacity,
                           .albedo = a->albedo,
                           .roughness = a->roughness,
-                          .ambient = a->ambient};
+                          .ambient = a->ambient,
+                          .scattered = a->scattered,
+                          .scatters = any_above_zero(a->scattered, 3 * a->count)};
 }
 
 static void normalise_rotations(FfpGaussians *gaussians) {

@@ -12,7 +12,8 @@ void ffp_generation_defaults_into(FfpGeneration *options, size_t size) {
                       sizeof(FfpGeneration));
 }
 
-static FfpSensor sensor_of(const FfpSensorFaults *faults) {
+static FfpSensor sensor_of(const FfpSensorFaults *faults, const FfpLightFaults *light) {
+    const float spread = (float)light->spread;
     return (FfpSensor){.exposure = (float)faults->exposure,
                        .shot = (float)faults->shot,
                        .read = (float)faults->read,
@@ -20,7 +21,17 @@ static FfpSensor sensor_of(const FfpSensorFaults *faults) {
                        .gamma = (float)faults->gamma,
                        .black_level = (float)faults->black_level,
                        .turn_error = (float)faults->turn_error * (float)DEGREE,
-                       .shift_error = (float)faults->shift_error};
+                       .shift_error = (float)faults->shift_error,
+                       .real_light = (float)light->real_light,
+                       .spread = {spread, spread, spread},
+                       .spread_reach = (float)light->spread_reach,
+                       .glare = (float)light->glare,
+                       .glare_reach = (float)light->glare_reach,
+                       .power = (float)light->power,
+                       .vignetting = (float)light->vignetting,
+                       .throw_fall = (float)light->throw_fall,
+                       .focus_blur = (float)light->focus_blur,
+                       .focus_at = (float)light->focus_at};
 }
 
 // Checks for values that a caller in C may pass though the type says otherwise.
@@ -65,7 +76,8 @@ static bool generate(void *argument, FfpError *err) {
                                          .only = options->only,
                                          .room = options->room,
                                          .quality = options->quality,
-                                         .sensor = sensor_of(&options->sensor)};
+                                         .other_projector = options->other_projector,
+                                         .sensor = sensor_of(&options->sensor, &options->light)};
     if (options->check) return ffp_dataset_check(&settings, err);
     return ffp_dataset_write(&settings, err);
 }

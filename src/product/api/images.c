@@ -10,7 +10,11 @@ int ffp_images_count(const FfpImages *images) {
 static FfpNamedImage named(const FfpImageEntry *entry) {
     if (!entry) return (FfpNamedImage){0};
     const FfpImage *image = &entry->image;
-    return (FfpNamedImage){entry->name, image->width, image->height, image->channels, image->data};
+    return (FfpNamedImage){.name = entry->name,
+                           .width = image->width,
+                           .height = image->height,
+                           .channels = image->channels,
+                           .data = image->data};
 }
 
 FfpNamedImage ffp_images_at(const FfpImages *images, int index) {

@@ -4,7 +4,7 @@
 #include "ffprocams.h"
 #include "product/api/arguments.h"
 
-enum { SIDE_MIN = 64, SIDE_MAX = 16384, LOLLIPOPS_MAX = 100 };
+enum { SIDE_MIN = 64, SIDE_MAX = 16384, LOLLIPOPS_MAX = 100, GREYS_MAX = 64 };
 
 void ffp_patterns_defaults_into(FfpPatterns *options, size_t size) {
     ffp_give_defaults(options, size,
@@ -27,6 +27,8 @@ static bool check(const FfpPatterns *o, FfpError *err) {
     if (o->lollipops < 0 || o->lollipops > LOLLIPOPS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "lollipops", "%d are not in 0 to %d", o->lollipops,
                         LOLLIPOPS_MAX);
+    if (o->greys < 0 || o->greys > GREYS_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "greys", "%d are not in 0 to %d", o->greys, GREYS_MAX);
     if (o->columns != 0 && (o->columns < 3 || o->columns > 64 || o->rows < 3 || o->rows > 64))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "board", "%d x %d corners are not in 3 to 64", o->columns,
                         o->rows);
@@ -52,7 +54,8 @@ static bool work(void *argument, FfpError *err) {
                           .gray_codes = o->gray_codes,
                           .columns = o->gray_codes ? o->columns : 0,
                           .rows = o->rows,
-                          .square = o->square};
+                          .square = o->square,
+                          .greys = o->capture ? o->greys : 0};
     call->count = ffp_show_count(&show);
     return ffp_show_write_folder(&show, o->folder, err);
 }

@@ -5,7 +5,7 @@
 typedef struct Arguments {
     const char *capture, *output, *gaussians;
     FfpAlignment options;
-    bool json;
+    bool json, second;
 } Arguments;
 
 static void print_json(const char *output, const FfpAlignmentStats *s) {
@@ -59,21 +59,71 @@ static void tell(const char *output, const FfpAlignmentStats *stats) {
            stats->depth, stats->across, stats->side, stats->after, stats->before, output, stats->elapsed_s);
 }
 
+// --- A second projector. ---
+
+static json_t *pinhole_json(const FfpPinhole *p) {
+    json_t *pose = json_array();
+    for (int i = 0; i < 16; i++) json_array_append_new(pose, json_real(p->pose[i]));
+    return json_pack("{s:[ii], s:[ff], s:[ff], s:o}", "size", p->width, p->height, "focal", p->fx, p->fy,
+                     "centre", p->cx, p->cy, "pose", pose);
+}
+
+static void tell_second(const Arguments *arguments, const FfpCapture *capture, const FfpFoundProjector *f) {
+    FfpPinhole camera, p;
+    ffp_capture_view_devices(capture, 0, &camera, &p);
+    if (arguments->json) {
+        json_t *all =
+            json_pack("{s:s, s:o, s:f, s:{s:f, s:f, s:f, s:[ff]}, s:f, s:i, s:i}", "output",
+                      arguments->output, "projector", pinhole_json(&p), "distance", f->distance, "deviations",
+                      "turned", f->turned, "moved", f->moved, "focal", f->focal, "centre", f->centre[0],
+                      f->centre[1], "rms", f->rms, "points", f->points, "used", f->used);
+        json_dumpf(all, stdout, JSON_INDENT(1) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(9));
+        putchar('\n');
+        json_decref(all);
+        return;
+    }
+    printf(
+        "projector   %.4g from the object, known to %.2g (%.2g %%) and to %.2g degrees\n"
+        "lens        focal length %.1f pixels, known to %.2g %%; principal point %.1f, %.1f, known to %.2g, "
+        "%.2g\n"
+        "codes       %d of %d points used; they lie %.2f pixels off (rms)\n"
+        "%s: found\n",
+        f->distance, f->moved, 100 * f->moved / f->distance, f->turned, p.fx, 100 * f->focal, p.cx, p.cy,
+        f->centre[0], f->centre[1], f->used, f->points, f->rms, arguments->output);
+}
+
+static bool find_second(const Arguments *arguments, FfpCapture *capture, const FfpGaussians *known,
+                        FfpError *err) {
+    FfpFoundProjector found;
+    if (!ffp_find_projector(ffp_cli_context(), capture, known, &found, err) ||
+        !ffp_capture_save(ffp_cli_context(), capture, arguments->output, err))
+        return false;
+    tell_second(arguments, capture, &found);
+    return true;
+}
+
+static bool align(Arguments *arguments, FfpCapture *capture, const FfpGaussians *known, FfpError *err) {
+    FfpAlignmentStats stats;
+    arguments->options.gaussians = known;
+    if (!ffp_align_poses(ffp_cli_context(), capture, &arguments->options, &stats, err) ||
+        !ffp_capture_save(ffp_cli_context(), capture, arguments->output, err))
+        return false;
+    (arguments->json ? print_json : stats.known ? tell_known : tell)(arguments->output, &stats);
+    return true;
+}
+
 static int run(void *data) {
     Arguments *arguments = data;
     FfpError err = {0};
-    FfpAlignmentStats stats;
     FfpCapture *capture = ffp_can_save_capture(arguments->output, &err)
                               ? ffp_capture_open(ffp_cli_context(), arguments->capture, NULL, &err)
                               : NULL;
     FfpGaussians *known = capture && arguments->gaussians
                               ? ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, NULL, &err)
                               : NULL;
-    arguments->options.gaussians = known;
     const bool ok = capture && (known || !arguments->gaussians) &&
-                    ffp_align_poses(ffp_cli_context(), capture, &arguments->options, &stats, &err) &&
-                    ffp_capture_save(ffp_cli_context(), capture, arguments->output, &err);
-    if (ok) (arguments->json ? print_json : stats.known ? tell_known : tell)(arguments->output, &stats);
+                    (arguments->second ? find_second(arguments, capture, known, &err)
+                                       : align(arguments, capture, known, &err));
     ffp_gaussians_close(known);
     ffp_capture_close(capture);
     return ok ? FFP_EXIT_OK : ffp_cli_fail(&err);
@@ -102,6 +152,13 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, gaussians),
      .help = "the object as it is known, from `reconstruct`, in the capture's world: find camera and "
              "projector again by it. One view is enough"},
+    {.name = "second-projector",
+     .type = FFP_OPTION_FLAG,
+     .needs = "gaussians",
+     .excludes = "pattern",
+     .offset = offsetof(Arguments, second),
+     .help = "with --gaussians: the cameras are right, and the projector is one that no calibration "
+             "describes; find its place and lens from its Gray codes on the object"},
     {.name = "focal",
      .letter = 'f',
      .type = FFP_OPTION_FLAG,
@@ -131,7 +188,9 @@ const FfpCommand ffp_cli_align = {
         "With --gaussians, camera and projector of each view are moved until the photographs look as the "
         "object is drawn: for a device that was bumped, or an object that was moved, since it was "
         "reconstructed. Import photographs of one stop under black, white and one pattern as they are "
-        "now, align them, and give the result to `compensate`, `map` or `view` as --capture.",
+        "now, align them, and give the result to `compensate`, `map` or `view` as --capture.\n"
+        "With --second-projector, a projector is found that shone alone: photograph the object as it stands "
+        "at a stop under its black, white and Gray codes, and `import --other-projector` that stop.",
     .positional = {.name = "CAPTURE",
                    .least = 1,
                    .most = 1,
@@ -142,6 +201,14 @@ const FfpCommand ffp_cli_align = {
                                                  "ffprocams reconstruct vase-aligned -o vase.ply"},
                                      {.about = "The projector was bumped:",
                                       .command = "ffprocams align now -g vase.ply -o now-aligned"},
+                                     {.about = "Another projector:",
+                                      .command = "ffprocams patterns -o patterns-2 --projector 1280x800\n"
+                                                 "ffprocams import -c calibration.xml -t axis.json -v 045 "
+                                                 "--other-projector \\\n"
+                                                 "    --projector-size 1280x800 --shown patterns-2 -i "
+                                                 "'shots-2/{view}/*.JPG' -o second\n"
+                                                 "ffprocams align second -g vase.ply --second-projector -o "
+                                                 "vase-second"},
                                      {0}},
     .size = sizeof(Arguments),
     .set_defaults = set_defaults,

@@ -12,7 +12,7 @@ typedef struct Arguments {
     FfpList attitudes, calibrations;
     FfpAngles angles;
     FfpRigCalibration rig;
-    bool json, without_board;
+    bool json, without_board, camera_per_folder;
     double focal_35mm, length;
 } Arguments;
 
@@ -81,6 +81,23 @@ static void print_axis(const FfpRigCalibration *rig, const FfpRigCalibrationStat
                rig->turntable_file, rig->turntable_file);
 }
 
+// Takes the object.
+static void put_json(json_t *all) {
+    json_object_set(all, "findings", ffp_cli_keep_findings());
+    json_dumpf(all, stdout, JSON_INDENT(1) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(9));
+    putchar('\n');
+    json_decref(all);
+}
+
+// With --json the findings are there though nothing was made.
+static int fail(bool json, const FfpError *err) {
+    const int status = ffp_cli_fail(err);
+    if (!json) return status;
+    json_t *all = json_pack("{s:s}", "error", err->text);
+    put_json(all ? all : json_object()); // a path that is no UTF-8
+    return status;
+}
+
 // All that the other two print, and what was found.
 static void print_json(const FfpRigCalibration *rig, const FfpRigCalibrationStats *s) {
     json_t *all = json_pack("{s:s?, s:i, s:i, s:f, s:f, s:f, s:i, s:i}", "file", rig->file, "attitudes",
@@ -92,10 +109,7 @@ static void print_json(const FfpRigCalibration *rig, const FfpRigCalibrationStat
                                       s->axis[1], s->axis[2], "point", s->point[0], s->point[1], s->point[2],
                                       "clockwise", s->reversed, "stops", s->stops, "used", s->stops_used,
                                       "rms", s->stops_rms, "tilt", s->tilt, "shift", s->shift));
-    json_object_set(all, "findings", ffp_cli_keep_findings());
-    json_dumpf(all, stdout, JSON_INDENT(1) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(9));
-    putchar('\n');
-    json_decref(all);
+    put_json(all);
 }
 
 // A panel's size that nobody gave is the first thing to doubt where things do not fit.
@@ -106,17 +120,60 @@ static void tell_default(const FfpRigCalibration *rig) {
 
 // --- Without a board. ---
 
-// The whole command, for photographs that are all in folders of one folder.
+// The part of a path, the k-th from its end, by which places are told apart; its length, 0: there is none.
+static int part_of(const char *path, int k, const char **part) {
+    const char *end = path + strlen(path), *at = end;
+    for (int i = 0; i <= k; i++) {
+        end = at;
+        while (end > path && end[-1] == '/') end--;
+        at = end;
+        while (at > path && at[-1] != '/') at--;
+    }
+    *part = at;
+    return (int)(end - at);
+}
+
+// Template of the photographs, where the places' paths differ in one part alone; false: they do not.
+static bool put_template(const FfpSelfCalibration *o, char text[FFP_CLI_PATH]) {
+    const char *first = o->places[0], *part, *other;
+    int length = (int)strlen(first);
+    while (length > 1 && first[length - 1] == '/') length--;
+    snprintf(text, FFP_CLI_PATH, "%.*s/{view}/*", length, first);
+    for (int k = 0; k < 8 && o->n_places > 1; k++) {
+        const int own = part_of(first, k, &part);
+        bool alike = own > 0;
+        for (int i = 1; alike && i < o->n_places; i++) {
+            const int n = part_of(o->places[i], k, &other);
+            alike = n > 0 && other - o->places[i] == part - first &&
+                    strncmp(first, o->places[i], (size_t)(part - first)) == 0 &&
+                    strcmp(part + own, other + n) == 0 && (n != own || strncmp(part, other, (size_t)n) != 0);
+        }
+        length = (int)strlen(part + own);
+        while (length > 0 && part[own + length - 1] == '/') length--;
+        snprintf(text, FFP_CLI_PATH, "%.*s{view}%.*s/*", (int)(part - first), first, length, part + own);
+        if (alike) return true;
+    }
+    return o->n_places == 1;
+}
+
+// The commands that come next, as they are typed.
 static void print_import(const FfpSelfCalibration *o) {
-    const char *first = o->places[0], *end = o->n_places > 1 ? strrchr(first, '/') : first + strlen(first);
-    while (end && end > first && end[-1] == '/') end--;
-    printf("import with -c %s", o->file ? o->file : o->folder);
+    char template[FFP_CLI_PATH], panel[32];
+    const bool one = put_template(o, template);
+    const char *draw[] = {"ffprocams", "patterns", "-o", "patterns", "--projector", panel},
+               *words[12] = {"ffprocams", "import", "-c", o->file ? o->file : o->folder};
+    int n = 4;
     if (o->file)
-        printf(" -t %s", o->turntable_file);
+        words[n++] = "-t", words[n++] = o->turntable_file;
     else
-        printf(" --scene");
-    if (o->shown) printf(" --shown %s", o->shown);
-    printf(" -i '%.*s%s{view}/*' -o FOLDER\n", end ? (int)(end - first) : 0, first, end ? "/" : "");
+        words[n++] = "--scene";
+    words[n++] = "--shown", words[n++] = o->shown ? o->shown : "patterns";
+    words[n++] = "-i", words[n++] = one ? template : "{view}/*";
+    words[n++] = "-o", words[n++] = "capture";
+    snprintf(panel, sizeof panel, "%dx%d", o->width, o->height);
+    printf("now run%s\n", one ? "" : ", with the folders of photographs beside each other,");
+    if (!o->shown) ffp_cli_type(stdout, &(FfpList){draw, 6});
+    ffp_cli_type(stdout, &(FfpList){words, n});
 }
 
 static void print_places(const FfpSelfCalibration *o, const FfpSelfCalibrationStats *s) {
@@ -156,10 +213,7 @@ static void print_places_json(const FfpSelfCalibration *o, const FfpSelfCalibrat
                                       s->axis[1], s->axis[2], "point", s->point[0], s->point[1], s->point[2],
                                       "clockwise", s->reversed, "tilt", s->tilt, "shift", s->shift, "surface",
                                       s->surface, "angle_off", s->angle_off));
-    json_object_set(all, "findings", ffp_cli_keep_findings());
-    json_dumpf(all, stdout, JSON_INDENT(1) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(9));
-    putchar('\n');
-    json_decref(all);
+    put_json(all);
 }
 
 static int run_without_board(const Arguments *arguments) {
@@ -168,12 +222,13 @@ static int run_without_board(const Arguments *arguments) {
     FfpSelfCalibrationStats stats;
     FfpError err = {0};
     if (rig->width > 0) o.width = rig->width, o.height = rig->height;
-    o.shown = rig->shown;
+    o.shown = rig->shown, o.linear = rig->linear;
     o.angles = arguments->angles.degrees, o.n_angles = arguments->angles.count;
     if (o.n_angles > 0)
         o.file = rig->file, o.turntable_file = rig->turntable_file;
     else
         o.folder = rig->file;
+    o.camera_per_folder = arguments->camera_per_folder;
     o.focal_35mm = arguments->focal_35mm, o.length = arguments->length;
     o.places = arguments->attitudes.values, o.n_places = arguments->attitudes.count;
     if (rig->columns || rig->report || rig->seen || rig->turntable_board || rig->fix_camera ||
@@ -183,7 +238,7 @@ static int run_without_board(const Arguments *arguments) {
         return ffp_cli_usage("calibrate", "the stops of a turntable give two files, --output and "
                                           "--turntable-output");
     if (arguments->json) ffp_cli_keep_findings();
-    if (!ffp_self_calibrate(ffp_cli_context(), &o, &stats, &err)) return ffp_cli_fail(&err);
+    if (!ffp_self_calibrate(ffp_cli_context(), &o, &stats, &err)) return fail(arguments->json, &err);
     if (arguments->json)
         print_places_json(&o, &stats);
     else if (stats.has_axis)
@@ -218,7 +273,7 @@ static int run(void *data) {
     rig->angles = arguments->angles.degrees;
     rig->n_angles = arguments->angles.count;
     if (!ffp_calibrate_rig(ffp_cli_context(), rig, &stats, &err)) {
-        const int status = ffp_cli_fail(&err);
+        const int status = fail(arguments->json, &err);
         if (by_default && err.code == FFP_ERROR_FILE && rig->n_attitudes > 0) tell_default(rig);
         return status;
     }
@@ -288,6 +343,13 @@ static const FfpOption options[] = {
      .help =
          "folder of `ffprocams patterns`: the panel's size is that of its pictures, and a FOLDER may hold a "
          "photograph of each of them, lollipops too, in their order"},
+    {.name = "linear",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, rig.linear),
+     .group = RIG,
+     .help =
+         "the PNG and JPEG files hold linear light, as `import --linear images` has it (raw photographs and "
+         "EXR always do)"},
     {.name = "output",
      .letter = 'o',
      .argument = "FILE",
@@ -329,6 +391,15 @@ static const FfpOption options[] = {
      .group = WITHOUT,
      .help = "the camera's focal length as that of a 35 mm camera, if its files do not tell it (EXIF): "
              "photographs from few places say it less well"},
+    {.name = "camera-per-folder",
+     .needs = "without-board",
+     .excludes = "angles",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, camera_per_folder),
+     .group = WITHOUT,
+     .help = "each FOLDER was photographed by another camera, or with another lens or zoom: each has a focal "
+             "length, an axis and a distortion of its own. Photographs must tell more than of one camera, or "
+             "their files or --lens the focal length"},
     {.name = "length",
      .needs = "without-board",
      .argument = "L",
@@ -403,7 +474,8 @@ const FfpCommand ffp_cli_calibrate = {
                    .offset = offsetof(Arguments, attitudes),
                    .help = "photographs of one attitude, ordered by the numbers in their names: the "
                            "projector black and white, first or last, and the Gray codes of columns and rows "
-                           "with their inverses. Or a folder of such folders"},
+                           "with their inverses. Other usual orders are found from the pictures. Or a folder "
+                           "of such folders"},
     .options = options,
     .examples =
         (const FfpExample[]){

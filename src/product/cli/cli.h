@@ -5,13 +5,20 @@
 #include "ffprocams.h"
 #include "options.h"
 
+enum { FFP_CLI_PATH = 4096 }; // of a path that a command makes
+
 #define FFP_CLI_S(count) ((count) == 1 ? "" : "s") // "1 picture", "2 pictures"
 
 enum { FFP_EXIT_OK = 0, FFP_EXIT_FAILURE = 1, FFP_EXIT_USAGE = 2 };
 
 extern const FfpCommand ffp_cli_import, ffp_cli_align, ffp_cli_info, ffp_cli_reconstruct, ffp_cli_refine,
     ffp_cli_render, ffp_cli_compensate, ffp_cli_map, ffp_cli_export, ffp_cli_evaluate, ffp_cli_bench,
-    ffp_cli_generate, ffp_cli_train, ffp_cli_view, ffp_cli_patterns, ffp_cli_calibrate, ffp_cli_studio;
+    ffp_cli_generate, ffp_cli_train, ffp_cli_view, ffp_cli_patterns, ffp_cli_calibrate, ffp_cli_studio,
+    ffp_cli_scan;
+
+enum { FFP_CLI_COMMANDS_MAX = 32 };
+extern const FfpCommand *const ffp_cli_commands[FFP_CLI_COMMANDS_MAX]; // in the order of the help; then NULL
+const FfpCommand *ffp_cli_command(const char *name);                   // NULL: none is called so
 
 int ffp_cli_fail(const FfpError *err); // "ffprocams: error: WHAT (WHERE)"; returns FFP_EXIT_FAILURE
 // The same, and a hint where one of the --pattern values looks like several: "-p a,b".
@@ -44,7 +51,7 @@ bool ffp_cli_use_device(const char *name, FfpError *err);
 
 // --events: what happens, as lines of JSON to the file descriptor of this number. open: false, it is none.
 bool ffp_cli_open_events(const char *descriptor);
-bool ffp_cli_has_events(void);
+int ffp_cli_events(void); // the descriptor; -1: nobody listens
 void ffp_cli_event_progress(const FfpProgress *progress);
 void ffp_cli_event_finding(const FfpFinding *finding);
 // Those of all calls from now on, and so far: an array of JSON.
@@ -61,6 +68,13 @@ bool ffp_cli_join_ranks(FfpError *err);
 const FfpRanks *ffp_cli_ranks(void); // NULL: alone
 int ffp_cli_leave_ranks(int status);
 const char *ffp_cli_rank_name(void); // "rank 3: "; "" alone
+
+// Prints a command as it would be typed into a shell, and runs it as a process of its own that shares this
+// one's output: of this program if its first word is "ffprocams". It hears of SIGINT, SIGTERM, SIGHUP,
+// SIGQUIT and SIGTSTP, unless they are ignored. Returns its exit code.
+void ffp_cli_type(FILE *out, const FfpList *words);
+int ffp_cli_child(const FfpList *words);
+void ffp_cli_end_as_child(void); // by the signal that ended one, or returns
 
 // Headings of the commands in the program's help.
 #define FFP_CLI_CAPTURE "make a capture"

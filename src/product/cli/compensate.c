@@ -90,8 +90,9 @@ static const FfpOption options[] = {
      .writes = true,
      .offset = offsetof(Arguments, how.video),
      .group = "films",
-     .help = "with a film as target (FILM@FROM-TO: that part, in seconds): the corrected film; its extension "
-             "selects the format as in render. --output then shows the first frame"},
+     .help =
+         "with a film as target (FILM@FROM-TO: that part, in seconds): the corrected film, with its sound; "
+         "its extension selects the format as in render. --output then shows the first frame"},
     {.name = "rate",
      .needs = "video",
      .argument = "N",
@@ -100,7 +101,7 @@ static const FfpOption options[] = {
      .low = 1,
      .high = 1000,
      .group = "films",
-     .help = "frames per second of the video. Default: 15"},
+     .help = "frames per second of the video. Default: the film's own"},
     FFP_CLI_FILE(
         offsetof(Arguments, how.pattern), "FILE.png",
         "the pattern to project; with several projectors FILE_<view>.png. Written beside it: "
@@ -133,6 +134,12 @@ static const FfpOption options[] = {
      .help = "share of its white that a dark projector still gives (0.001 for a contrast of 1000 to 1; "
              "default 0): where "
              "several overlap it adds up, and the dark beside is lifted until it is as bright"},
+    {.name = "sharpen",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, how.sharpen),
+     .help =
+         "sharpen the pattern for the projector's blur, as found by import. Helps a projector that is out of "
+         "focus, the more with --steps 100; edges may ring"},
     {.name = "steps",
      .letter = 's',
      .argument = "N",

@@ -23,8 +23,8 @@ bool ffp_cli_open_events(const char *descriptor) {
     return events != NULL;
 }
 
-bool ffp_cli_has_events(void) {
-    return events != NULL;
+int ffp_cli_events(void) {
+    return events ? fileno(events) : -1;
 }
 
 // Takes the object. Text that is no UTF-8 makes none, and nothing is told of it.
@@ -60,8 +60,8 @@ void ffp_cli_event_log(FfpLogLevel level, const char *text) {
 
 void ffp_cli_event_error(const FfpError *err) {
     if (events)
-        put(json_pack("{s:s, s:b, s:s*, s:s}", "event", "error", "fault", err->code == FFP_ERROR_FAULT,
-                      "code", err->finding, "text", err->text));
+        put(json_pack("{s:s, s:b, s:s*, s:s, s:s*}", "event", "error", "fault", err->code == FFP_ERROR_FAULT,
+                      "code", err->finding, "text", err->text, "where", err->where[0] ? err->where : NULL));
 }
 
 void ffp_cli_event_progress(const FfpProgress *p) {

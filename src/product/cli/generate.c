@@ -12,7 +12,9 @@ static void set_defaults(void *data) {
 
 // "NAME=VALUE"
 static bool read_fault(const char *text, void *destination) {
-    FfpSensorFaults *sensor = destination;
+    FfpGeneration *generation = destination;
+    FfpSensorFaults *sensor = &generation->sensor;
+    FfpLightFaults *light = &generation->light;
     const struct {
         const char *name;
         double *value;
@@ -23,7 +25,17 @@ static bool read_fault(const char *text, void *destination) {
                   {"gamma=", &sensor->gamma},
                   {"black_level=", &sensor->black_level},
                   {"turn_error=", &sensor->turn_error},
-                  {"shift_error=", &sensor->shift_error}};
+                  {"shift_error=", &sensor->shift_error},
+                  {"real_light=", &light->real_light},
+                  {"spread=", &light->spread},
+                  {"spread_reach=", &light->spread_reach},
+                  {"glare=", &light->glare},
+                  {"glare_reach=", &light->glare_reach},
+                  {"power=", &light->power},
+                  {"vignetting=", &light->vignetting},
+                  {"throw_fall=", &light->throw_fall},
+                  {"focus_blur=", &light->focus_blur},
+                  {"focus_at=", &light->focus_at}};
     for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
         const size_t length = strlen(faults[i].name);
         if (strncmp(faults[i].name, text, length) == 0)
@@ -153,10 +165,11 @@ static const FfpOption options[] = {
      .argument = "NAME=VALUE",
      .type = FFP_OPTION_PARSED,
      .repeated = true,
-     .offset = offsetof(Arguments, generation.sensor),
+     .offset = offsetof(Arguments, generation),
      .parse = read_fault,
-     .takes = "NAME=NUMBER, NAME being exposure, shot, read, defocus, gamma, black_level, turn_error or "
-              "shift_error",
+     .takes = "NAME=NUMBER, NAME being exposure, shot, read, defocus, gamma, black_level, turn_error, "
+              "shift_error, real_light, spread, spread_reach, glare, glare_reach, power, vignetting, "
+              "throw_fall, focus_blur or focus_at",
      .words = (const FfpWord[]){{"read=", 0},
                                 {"shot=", 0},
                                 {"defocus=", 0},
@@ -165,11 +178,24 @@ static const FfpOption options[] = {
                                 {"exposure=", 0},
                                 {"turn_error=", 0},
                                 {"shift_error=", 0},
+                                {"real_light=", 0},
+                                {"spread=", 0},
+                                {"spread_reach=", 0},
+                                {"glare=", 0},
+                                {"glare_reach=", 0},
+                                {"power=", 0},
+                                {"vignetting=", 0},
+                                {"throw_fall=", 0},
+                                {"focus_blur=", 0},
+                                {"focus_at=", 0},
                                 {0}},
      .help = "imperfections of real devices, may be repeated: read noise (read=0.01, relative to white) and "
              "shot noise (shot), the projector's defocus (defocus=1, standard deviation in its pixels), "
              "gamma and black_level, exposure (stops), errors of the written poses (turn_error=0.2 degrees, "
-             "shift_error=0.004 units). The scenes are otherwise the same. Default: all 0"},
+             "shift_error=0.004 units). real_light=1 draws what real devices do to light from the seed: the "
+             "projector's spread, response (power), vignetting (throw_fall) and focus (focus_blur), the "
+             "camera's glare and vignetting; less than 1 is weaker, and each can be given by itself. The "
+             "scenes are otherwise the same. Default: all 0"},
     {.name = "photographs",
      .argument = "PATTERNS",
      .type = FFP_OPTION_FOLDER,
@@ -198,6 +224,12 @@ static const FfpOption options[] = {
      .help = "with --photographs: only this folder of them, view-DDD, attitude-NN, turntable or empty, the "
              "same as "
              "among all of them"},
+    {.name = "other-projector",
+     .needs = "photographs",
+     .excludes = "room",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, generation.other_projector),
+     .help = "with --photographs: the light comes from another projector, on the other side of the camera"},
     {.name = "room",
      .needs = "photographs",
      .type = FFP_OPTION_FLAG,

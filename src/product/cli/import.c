@@ -150,6 +150,14 @@ static const FfpOption options[] = {
      .takes = "width x height in pixels (1024x768)",
      .group = CALIBRATION,
      .help = "likewise for the projector"},
+    {.name = "other-projector",
+     .type = FFP_OPTION_FLAG,
+     .needs = "projector-size",
+     .offset = offsetof(Arguments, import.other_projector),
+     .group = CALIBRATION,
+     .help =
+         "the photographs show the light of another projector than the calibration's, of "
+         "--projector-size: `align --second-projector` then finds its place and lens from its Gray codes"},
     {.name = "camera-fit",
      .argument = "FIT",
      .type = FFP_OPTION_PARSED,
@@ -211,7 +219,9 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, import.shown),
      .group = PHOTOGRAPHS,
      .help = "folder of `ffprocams patterns`: --images FILES, without names, are then the photographs of its "
-             "patterns in their order, with the Gray codes or without, and --pattern is not needed"},
+             "patterns in their order, with the Gray codes or without, and --pattern is not needed. Other "
+             "usual orders of codes are found from the pictures; black and white may be missing, and are "
+             "then made from the codes"},
     {.name = "images",
      .letter = 'i',
      .argument = "[NAMES=]FILES",
@@ -248,8 +258,9 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, import.gray_codes),
      .group = PHOTOGRAPHS,
      .help = "photographs of the Gray codes of `ffprocams patterns`, in the order shown: columns before "
-             "rows, coarsest first, each followed by its inverse. FILES as above; {pattern} is gray_x_00, "
-             "gray_x_00_inverse and so on. Where codes can be decoded, depth is exact and needs no matching. "
+             "rows, coarsest first, each followed by its inverse, or in another usual order. FILES as above; "
+             "{pattern} is gray_x_00, gray_x_00_inverse and so on. Where codes can be decoded, depth is "
+             "exact and needs no matching. "
              "Without any other pattern, one of the codes becomes the capture's pattern"},
     {.name = "keep-codes",
      .argument = "N",
@@ -260,6 +271,7 @@ static const FfpOption options[] = {
      .group = PHOTOGRAPHS,
      .help = "of the photographs of Gray codes, keep N of each view in the capture for fits: of codes whose "
              "stripes its pixels resolve, without those that are the same as another pattern or its inverse. "
+             "If nothing is held out, two more codes are, by which reconstructions are judged. "
              "Default: 8; 0: none"},
     {.name = "empty",
      .argument = "NAMES=FILES",
@@ -346,8 +358,12 @@ static const FfpOption options[] = {
      .low = 8,
      .high = 16384,
      .group = RESULT,
-     .help = "make the pictures W pixels wide (the shipped model was trained at 128). Both sides are padded "
-             "to multiples of 8 pixels"},
+     .help =
+         "make the pictures W pixels wide; 128 is the paper's protocol, at which the shipped model was "
+         "trained. Default: as fine as the photographs show the object, as long as its longer side has at "
+         "most 1024 pixels, all views show two million of its pixels, half of the free memory suffices and a "
+         "reconstruction takes three minutes; "
+         "and cut to the object if that halves them. Both sides are padded to multiples of 8 pixels"},
     {.name = "object",
      .argument = "X,Y,Z,R",
      .type = FFP_OPTION_PARSED,
@@ -368,7 +384,7 @@ static const FfpOption options[] = {
 static const FfpExample examples[] = {
     {"`calibrate` and the photographs that `patterns` lists, eight stops in shots/view-000 to view-315:",
      "ffprocams import -c calibration.xml -t axis.json --angles 8x45 --shown patterns \\\n"
-     "    -i 'shots/view-{view}/*.JPG' -w 160 -o vase"},
+     "    -i 'shots/view-{view}/*.JPG' -o vase"},
     {"procam-calibration (kamino410), eight stops, photographs IMG_0001 to IMG_0024 in the order black, "
      "white, lollipop at each stop; the file lacks the projector's size:",
      "ffprocams import -c calibration_result.xml --projector-size 1024x768 \\\n"

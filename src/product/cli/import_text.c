@@ -66,7 +66,7 @@ static bool read_images(FfpImportLists *lists, const char *text, bool shown, Ffp
         patterns[n] = at;
         at = comma ? comma + 1 : NULL;
     }
-    *images = (FfpImportImages){patterns, n, files};
+    *images = (FfpImportImages){.patterns = patterns, .n_patterns = n, .files = files};
     return true;
 }
 
@@ -91,7 +91,7 @@ bool ffp_cli_add_pattern(FfpImportLists *lists, const char *text, bool held_out,
     FfpImportPattern **list = held_out ? &lists->held_out : &lists->patterns;
     int *count = held_out ? &lists->n_held_out : &lists->n_patterns;
     *list = grown(*list, *count, sizeof **list);
-    (*list)[(*count)++] = (FfpImportPattern){name, file};
+    (*list)[(*count)++] = (FfpImportPattern){.name = name, .file = file};
     return true;
 }
 
@@ -155,27 +155,27 @@ const char *ffp_cli_import_option(const FfpError *err) {
     static const struct {
         const char *setting, *option;
     } table[] = {
-        {"(camera.width)", "--camera-size WxH"},
-        {"(projector.width)", "--projector-size WxH"},
-        {"(camera.fit)", "--camera-fit F"},
-        {"(projector.fit)", "--projector-fit F"},
-        {"(images)", "--images NAMES=FILES"},
-        {"(shown)", "--shown DIR"},
-        {"(patterns)", "--pattern NAME=FILE"},
-        {"(held_out)", "--held-out NAME=FILE"},
-        {"(gray_codes)", "--graycode FILES"},
-        {"(empty)", "--empty NAMES=FILES"},
-        {"(views)", "--view ID"},
-        {"(width)", "--width W"},
-        {"(object)", "--object X,Y,Z,R"},
-        {"(turntable)", "--turntable T"},
-        {"(turntable.angles)", "--turntable T"},
-        {"(turntable.axis)", "--fit-axis"},
-        {"(fit_response)", "--fit-response"},
-        {"(linear_images)", "--linear images"},
-        {"(projector_image)", "--projector-image N"},
+        {"camera.width", "--camera-size WxH"},
+        {"projector.width", "--projector-size WxH"},
+        {"camera.fit", "--camera-fit F"},
+        {"projector.fit", "--projector-fit F"},
+        {"images", "--images NAMES=FILES"},
+        {"shown", "--shown DIR"},
+        {"patterns", "--pattern NAME=FILE"},
+        {"held_out", "--held-out NAME=FILE"},
+        {"gray_codes", "--graycode FILES"},
+        {"empty", "--empty NAMES=FILES"},
+        {"views", "--view ID"},
+        {"width", "--width W"},
+        {"object", "--object X,Y,Z,R"},
+        {"turntable", "--turntable T"},
+        {"turntable.angles", "--turntable T"},
+        {"turntable.axis", "--fit-axis"},
+        {"fit_response", "--fit-response"},
+        {"linear_images", "--linear images"},
+        {"projector_image", "--projector-image N"},
     };
     for (size_t i = 0; i < sizeof table / sizeof *table; i++)
-        if (strstr(err->text, table[i].setting)) return table[i].option;
+        if (strcmp(err->where, table[i].setting) == 0) return table[i].option;
     return NULL;
 }

@@ -27,8 +27,8 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_FILE,
      .writes = true,
      .offset = offsetof(Arguments, report),
-     .help = "also write an HTML page of a capture: the checks, and a contact sheet of the masks in which "
-             "doubtful views are marked"},
+     .help = "also write an HTML page of a capture: the checks, a contact sheet of the masks in which "
+             "doubtful views are marked, and the views in colours that say which depths are guesses"},
     FFP_CLI_JSON(
         offsetof(Arguments, json),
         "print JSON instead: the text, and what was checked as findings, each with its code, severity, "

@@ -100,7 +100,7 @@ static bool on_progress(void *user, const FfpProgress *p) {
     const bool terminal = isatty(STDERR_FILENO);
     const double interval = terminal ? terminal_interval : file_interval;
     ffp_cli_event_progress(p);
-    if (ffp_cli_has_events()) return !interrupted;
+    if (ffp_cli_events() >= 0) return !interrupted;
     if (ffp_cli_ranks() && ffp_cli_ranks()->rank > 0) return !interrupted;
     if (!p->stage) {
         ffp_cli_clear_progress();

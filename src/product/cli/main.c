@@ -6,15 +6,6 @@
 #endif
 #include "cli.h"
 
-static const FfpCommand *const commands[] = {
-    &ffp_cli_studio,      &ffp_cli_patterns, &ffp_cli_calibrate,
-    &ffp_cli_import,      &ffp_cli_align,    &ffp_cli_info,
-    &ffp_cli_reconstruct, &ffp_cli_refine,   &ffp_cli_render,
-    &ffp_cli_view,        &ffp_cli_export,   &ffp_cli_compensate,
-    &ffp_cli_map,         &ffp_cli_evaluate, &ffp_cli_bench,
-    &ffp_cli_generate,    &ffp_cli_train,    NULL,
-};
-
 // Beside --help, which everything has.
 static const FfpOption options[] = {
     {.name = "version", .help = "the version"},
@@ -37,7 +28,7 @@ static const FfpProgram program = {
     .purpose = "turns photographs of an object under projected patterns into relightable 3D Gaussians",
     .prose = "From eight photographed projector-camera views of an object to relightable 3D Gaussians, and "
              "pictures of the object under any pattern, camera pose and projector pose.",
-    .commands = commands,
+    .commands = ffp_cli_commands,
     .options = options,
     .environment = "The environment variable FFPROCAMS_CPU (portable, avx2, avx512, avx512bf16, amx; on "
                    "ARM portable, neon, neonbf16) selects kernels other than the best that the processor "
@@ -63,19 +54,24 @@ static int finish(int status) {
 }
 
 static int unknown_command(const char *word) {
-    enum { COUNT = sizeof commands / sizeof *commands + sizeof options / sizeof *options };
-    const char *names[COUNT] = {"help"};
+    const char *names[FFP_CLI_COMMANDS_MAX + sizeof options / sizeof *options] = {"help"};
     const bool dashes = strncmp(word, "--", 2) == 0;
     int n = 1;
     for (const FfpOption *option = options; option->name; option++) names[n++] = option->name;
     const int first_command = n;
-    for (int i = 0; commands[i]; i++) names[n++] = commands[i]->name;
+    for (int i = 0; ffp_cli_commands[i]; i++) names[n++] = ffp_cli_commands[i]->name;
     const char *nearest = ffp_cli_nearest(dashes ? word + 2 : word, names);
     const char *what = dashes ? "unknown option" : "unknown command";
     if (!nearest) return ffp_cli_usage(NULL, "%s %s", what, word);
     bool option = false;
     for (int i = 0; i < first_command; i++) option |= names[i] == nearest;
     return ffp_cli_usage(NULL, "%s %s: did you mean %s%s?", what, word, option ? "--" : "", nearest);
+}
+
+const FfpCommand *ffp_cli_command(const char *name) {
+    for (int i = 0; ffp_cli_commands[i]; i++)
+        if (strcmp(ffp_cli_commands[i]->name, name) == 0) return ffp_cli_commands[i];
+    return NULL;
 }
 
 typedef struct Given {
@@ -93,12 +89,14 @@ static int run(void *argument) {
     return status;
 }
 
-// Of 1024 x 1024 the arrays of a reconstruction have tens of megabytes and come and go in every step: by
-// default each goes back to the system and is faulted in again, page by page (docs/design/performance.md).
+// Arrays of a reconstruction of 1024 x 1024, and large photographs, have tens of megabytes and come and go:
+// by default each goes back to the system and is faulted in again, page by page (docs/design/performance.md).
+// One arena, because a thread's own has heaps of 64 MB, which go back when they are empty.
 static void keep_large_blocks(void) {
 #ifdef __GLIBC__
     mallopt(M_MMAP_THRESHOLD, 1 << 30);
     mallopt(M_TRIM_THRESHOLD, INT_MAX);
+    mallopt(M_ARENA_MAX, 1);
 #endif
 }
 
@@ -129,13 +127,11 @@ int main(int argc, char **argv) {
             return ffp_cli_usage(NULL, "--events takes the number of a file descriptor, and a command");
         argc -= 2, argv += 2;
     }
-    for (int i = 0; commands[i]; i++)
-        if (strcmp(argv[1], commands[i]->name) == 0) {
-            ffp_cli_wait_passively(whole);
-            if (events && !ffp_cli_open_events(events))
-                return ffp_cli_usage(NULL, "--events: %s is not an open file descriptor", events);
-            if (commands[i] == &ffp_cli_reconstruct) keep_large_blocks();
-            return ffp_cli_on_large_stack(run, &(Given){commands[i], argc - 1, argv + 1});
-        }
-    return unknown_command(argv[1]);
+    const FfpCommand *command = ffp_cli_command(argv[1]);
+    if (!command) return unknown_command(argv[1]);
+    ffp_cli_wait_passively(whole);
+    if (events && !ffp_cli_open_events(events))
+        return ffp_cli_usage(NULL, "--events: %s is not an open file descriptor", events);
+    if (command == &ffp_cli_reconstruct || command == &ffp_cli_import) keep_large_blocks();
+    return ffp_cli_on_large_stack(run, &(Given){command, argc - 1, argv + 1});
 }

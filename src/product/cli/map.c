@@ -4,13 +4,13 @@
 typedef struct Arguments {
     const char *gaussians, *capture;
     FfpList views;
-    FfpMaps maps;
+    FfpWarps maps;
     int up;
 } Arguments;
 
-static void tell(const Arguments *arguments, const FfpMapStats *stats, int written) {
+static void tell(const Arguments *arguments, const FfpWarpStats *stats, int written) {
     for (int v = 0; v < FFP_VIEWS_MAX && stats[v].view[0]; v++) {
-        const FfpMapStats *view = &stats[v];
+        const FfpWarpStats *view = &stats[v];
         printf("%s: %.1f %% of the projector's pixels fall on the object; round trip: %d camera pixels, %.2f "
                "%% within half a pixel, median %.3f, maximum %.3f; %d more do not return\n",
                view->view, 100 * view->lit_share, view->lit_pixels, 100 * view->within_half, view->median,
@@ -20,7 +20,7 @@ static void tell(const Arguments *arguments, const FfpMapStats *stats, int writt
 }
 
 static int run(void *data) {
-    static FfpMapStats stats[FFP_VIEWS_MAX];
+    static FfpWarpStats stats[FFP_VIEWS_MAX];
     Arguments *arguments = data;
     FfpError err = {0};
     int written = -1;
@@ -29,8 +29,8 @@ static int run(void *data) {
     FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, NULL, &err);
     FfpCapture *capture = gaussians ? ffp_cli_open_devices(arguments->capture, false, &err) : NULL;
     if (capture && ffp_cli_turn(gaussians, arguments->gaussians, capture, arguments->up, &err))
-        written = ffp_write_maps(ffp_cli_context(), gaussians, capture, &arguments->maps, stats,
-                                 FFP_VIEWS_MAX, &err);
+        written = ffp_write_warps(ffp_cli_context(), gaussians, capture, &arguments->maps, stats,
+                                  FFP_VIEWS_MAX, &err);
     if (written >= 0) tell(arguments, stats, written);
     ffp_capture_close(capture);
     ffp_gaussians_close(gaussians);
@@ -38,7 +38,7 @@ static int run(void *data) {
 }
 
 static void set_defaults(void *data) {
-    ((Arguments *)data)->maps = ffp_maps_defaults();
+    ((Arguments *)data)->maps = ffp_warps_defaults();
 }
 
 static const FfpOption options[] = {
@@ -74,7 +74,8 @@ const FfpCommand ffp_cli_map = {
         "<view>_incidence.exr\tangle of incidence in degrees, -1 off the object\n"
         "<view>_illuminance.exr, .png\tlight arriving at the surface, normalised to 1 at its maximum in the "
         "view\n"
-        "projectors.mpcdi\tthe warps of all views, for media servers (MPCDI 2.0, profile 2d)\n"
+        "projectors.mpcdi\tthe warps of all views, for media servers (MPCDI 2.0, profile 2d); "
+        "projectors-1.0.mpcdi: of version 1.0\n"
         "For each view the command prints how far camera pixels end up from where they started after a round "
         "trip to the projector and back, which checks the two correspondence maps against each other.",
     .positional = FFP_CLI_GAUSSIANS(offsetof(Arguments, gaussians)),

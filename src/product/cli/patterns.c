@@ -65,6 +65,13 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, patterns.lollipops),
      .high = 100,
      .help = "number of lollipop patterns. Default: 1; two or three give a more exact surface"},
+    {.name = "greys",
+     .argument = "N",
+     .type = FFP_OPTION_INT,
+     .offset = offsetof(Arguments, patterns.greys),
+     .high = 64,
+     .help = "number of even greys between black and white, by whose photographs `import --shown` finds how "
+             "much light the projector makes of a value; 4 to 8 are enough. Default: 0"},
     {.name = "board",
      .argument = "CxR",
      .type = FFP_OPTION_PARSED,

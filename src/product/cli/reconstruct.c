@@ -18,6 +18,10 @@ static void tell(const char *output, const FfpList *patterns, const FfpReconstru
            "matching %.2f s, network %.2f s, polish %.2f s, comparing %.2f s)\n",
            stats->psnr, stats->least_view, stats->least_psnr, seconds, 100 * stats->noise, stats->denoise_s,
            stats->initialisation_s, stats->network_s, stats->polish_s, stats->score_s);
+    if (stats->unseen > 0)
+        printf("on patterns that no fit has seen: %.2f dB (where lit: %.2f dB, and %.2f dB on its own "
+               "photographs)\n",
+               stats->unseen_psnr, stats->unseen_lit_psnr, stats->lit_psnr);
 }
 
 static int run(void *data) {
@@ -77,6 +81,15 @@ static const FfpOption options[] = {
         "how many splats may cover the same place of the surface, keeping those of the views with "
         "the finest resolution there: a number of at least 0.5, or `all` for a splat for every "
         "pixel of every view. Default: auto: all for up to 200,000 splats, otherwise 2; 1 for whole scenes"),
+    {.name = "width",
+     .letter = 'w',
+     .argument = "W",
+     .type = FFP_OPTION_INT64,
+     .offset = offsetof(Arguments, how.width),
+     .low = 8,
+     .high = 16384,
+     .help = "a draft: reduce the pictures to W pixels wide first; it is compared with those of the capture "
+             "all the same"},
     FFP_CLI_SAMPLES(
         offsetof(Arguments, how.drawing.samples),
         "samples per side of a pixel while fitting, 1 to 4. Default: the model's setting, otherwise 2"),

@@ -1,11 +1,11 @@
-#include "product/studio/studio.h"
 #include <stdio.h>
 #include "cli.h"
+#include "product/server/server.h"
 
 static int run(void *data) {
 #ifdef FFP_WITH_STUDIO
     char error[512];
-    if (ffp_studio_run(data, error, sizeof error)) return FFP_EXIT_OK;
+    if (ffp_server_main(data, error, sizeof error)) return FFP_EXIT_OK;
     fprintf(stderr, "ffprocams: error: %s\n", error);
 #else
     (void)data;
@@ -35,7 +35,7 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_INT,
      .offset = offsetof(FfpStudioOptions, port),
      .high = 65535,
-     .help = "port on this machine's loopback address. Default: 0, any that is free"},
+     .help = "port on this machine's loopback address. Default: 0, that of last time or any that is free"},
     {.name = "osc",
      .argument = "[ADDRESS:]PORT",
      .type = FFP_OPTION_TEXT,

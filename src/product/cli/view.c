@@ -64,7 +64,7 @@ const FfpCommand ffp_cli_view = {
     .prose = "One self-contained HTML file that needs no network and no server and opens from disk in any "
              "browser with WebGL 2. Turn the object, move the projector, drop in a picture or a video, paint "
              "on the object, and send the compensated pattern to the real projector from a second window. "
-             "The page holds up to 1 MB of patterns and 1.5 MB of photographs.",
+             "The page holds up to 1 MB of patterns and 1.5 MB of photographs, of each view at least one.",
     .positional = FFP_CLI_GAUSSIANS(offsetof(Arguments, gaussians)),
     .options = options,
     .examples =

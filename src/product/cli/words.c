@@ -1,5 +1,6 @@
-// Words that values of several commands' options may be.
+// Words: those that values of several commands' options may be, and a command's as one types them.
 #include "cli.h"
+#include "product/studio/typed.h"
 
 const FfpWord ffp_cli_framings[] = {{"cover", FFP_FRAMING_COVER},
                                     {"contain", FFP_FRAMING_CONTAIN},
@@ -13,3 +14,12 @@ const FfpWord ffp_cli_forms[] = {
 const FfpWord ffp_cli_page_forms[] = {{"ours", FFP_FORM_OURS}, {"paper", FFP_FORM_PAPER}, {0}};
 const FfpWord ffp_cli_devices[] = {{"cpu", 0}, {"cuda", 1}, {0}};
 const FfpWord ffp_cli_none[] = {{"none", 0}, {0}};
+
+void ffp_cli_type(FILE *out, const FfpList *words) {
+    for (int i = 0; i < words->count; i++) {
+        if (i > 0) fputc(' ', out);
+        ffp_studio_type(out, words->values[i]);
+    }
+    fputc('\n', out);
+    fflush(out);
+}

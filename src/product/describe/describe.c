@@ -2,10 +2,12 @@
 #include <inttypes.h>
 #include <string.h>
 #include <tgmath.h>
+#include "core/base/arena.h"
 #include "core/base/file.h"
 #include "core/base/kind.h"
 #include "core/base/text.h"
 #include "core/gaussians/elsewhere.h"
+#include "core/numerics/rank.h"
 #include "engine/network/network.h"
 #include "lab/baselines/field.h"
 
@@ -56,6 +58,20 @@ static void print_histogram(FILE *out, const FfpGaussians *gaussians) {
     }
 }
 
+// Each by its largest scale.
+static void print_sizes(FILE *out, const FfpGaussians *gaussians) {
+    real *sizes = ffp_take((size_t)gaussians->count, sizeof *sizes), least = INFINITY, most = 0;
+    for (int64_t i = 0; i < gaussians->count; i++) {
+        const real *scale = gaussians->scale + 3 * i;
+        sizes[i] = fmax(fmax(scale[0], scale[1]), scale[2]);
+        least = fmin(least, sizes[i]);
+        most = fmax(most, sizes[i]);
+    }
+    fprintf(out, "sizes        %.4g to %.4g, median %.4g\n", (double)least, (double)most,
+            (double)ffp_median(sizes, (size_t)gaussians->count));
+    ffp_free(sizes);
+}
+
 static bool print_gaussians(FILE *out, const char *path, FfpError *err) {
     FfpGaussians gaussians;
     if (!ffp_gaussians_read(&gaussians, path, err)) return false;
@@ -75,6 +91,7 @@ static bool print_gaussians(FILE *out, const char *path, FfpError *err) {
     if (gaussians.count) {
         fprintf(out, "centres      %.4g %.4g %.4g to %.4g %.4g %.4g\n", (double)low[0], (double)low[1],
                 (double)low[2], (double)high[0], (double)high[1], (double)high[2]);
+        print_sizes(out, &gaussians);
         print_histogram(out, &gaussians);
     }
     ffp_gaussians_free(&gaussians);

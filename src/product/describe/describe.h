@@ -11,7 +11,8 @@
 bool ffp_describe(FILE *out, const char *path, FfpFindings *found, FfpError *err);
 bool ffp_describe_capture(FILE *out, const char *path, FfpFindings *found, FfpError *err);
 // An HTML page of a capture: the same text; the contact sheet, if import left one in the folder;
-// and every view as it is reconstructed, the doubtful ones marked.
+// every view as it is reconstructed, the doubtful ones marked; and in colours which pixels' depth no pattern
+// tells.
 bool ffp_describe_report(const char *path, const char *html, FfpError *err);
 
 #endif

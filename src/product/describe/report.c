@@ -102,6 +102,51 @@ static bool put_view(FILE *out, const FfpCapture *capture, int v, const Doubts *
     return ok;
 }
 
+// --- How depth is known. ---
+
+static FfpImage tint_of(const FfpCapture *capture, const FfpView *view, double least) {
+    static const real colours[FFP_TOLD_KINDS][3] = {
+        [FFP_TOLD] = {0.1F, 0.5F, 1}, [FFP_TOLD_REFUSED] = {1, 0.85F, 0}, [FFP_TOLD_UNLIT] = {0.9F, 0, 0.1F}};
+    FfpImage tint = ffp_image_new(view->camera.width, view->camera.height, 3);
+    const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
+    for (size_t i = 0; i < pixels; i++)
+        if (!(view->coverage.data[i] < 0.5F))
+            memcpy(tint.data + 3 * i, colours[ffp_rig_told(capture, view, i, least)], sizeof *colours);
+    return tint;
+}
+
+static bool put_told_view(FILE *out, const FfpCapture *capture, int v, const FfpObjectLight *light,
+                          FfpError *err) {
+    const FfpView *view = &capture->views[v];
+    FfpImage thumb = ffp_contact_thumb(&view->images[capture->white]);
+    FfpImage tint = tint_of(capture, view, light->least);
+    FfpImage picture = ffp_contact_tinted(&thumb, &tint);
+    fputs("<figure>", out);
+    const bool ok = put_image(out, &picture, view->id, err);
+    fputs("<figcaption>", out);
+    ffp_put_html(out, view->id);
+    fprintf(out, ": %.1f %% told by no pattern</figcaption></figure>\n",
+            light->object > 0 ? 100 * light->guessed / light->object : 0);
+    ffp_image_free(&thumb);
+    ffp_image_free(&tint);
+    ffp_image_free(&picture);
+    return ok;
+}
+
+static bool put_told(FILE *out, const FfpCapture *capture, FfpError *err) {
+    FfpLights lights = ffp_rig_lights(capture, false);
+    bool ok = true;
+    fputs("<h2>How depth is known</h2><p><span style=color:#1a80ff>&#9632;</span> Blue: by a pattern of this "
+          "view. <span style=color:#ffd900>&#9632;</span> Yellow: the projector lights the place, but its "
+          "Gray codes give no position, as on mirrors. <span style=color:#e6001a>&#9632;</span> Red: the "
+          "projector does not reach it. Yellow and red are guesses unless another view gives them.</p>\n",
+          out);
+    for (int v = 0; v < capture->n_views && ok; v++)
+        ok = put_told_view(out, capture, v, &lights.views[v], err);
+    ffp_rig_lights_free(&lights);
+    return ok;
+}
+
 static bool put_page(FILE *out, const FfpLooked *looked, FfpError *err) {
     const FfpCapture *capture = &looked->seen;
     fputs("<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><meta name=viewport "
@@ -117,6 +162,7 @@ static bool put_page(FILE *out, const FfpLooked *looked, FfpError *err) {
     Doubts doubts = find_doubts(capture);
     bool ok = true;
     for (int v = 0; v < capture->n_views && ok; v++) ok = put_view(out, capture, v, &doubts, err);
+    ok = ok && put_told(out, capture, err);
     fputs("</html>\n", out);
     ffp_rig_silhouettes_free(&doubts.shapes);
     return ok;

@@ -114,12 +114,12 @@ static bool open_archive(Writer *writer, FfpMpcdi *archive, const FfpChosen *cho
         return ffp_fail(err, FFP_ERROR_ARGUMENT, writer->folder.path,
                         "the path of projectors.mpcdi is too long");
     writer->archive = archive;
-    writer->written++;
+    writer->written += 2;
     return ffp_mpcdi_open(archive, path, err);
 }
 
-int ffp_maps_run(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpMaps *options,
-                 FfpMapStats *stats, int n_stats, FfpError *err) {
+int ffp_warps_run(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpWarps *options,
+                  FfpWarpStats *stats, int n_stats, FfpError *err) {
     FfpChosen chosen;
     FfpMpcdi archive = {0};
     Writer writer = {.written = 0};
@@ -131,11 +131,11 @@ int ffp_maps_run(const FfpGaussians *gaussians, const FfpCapture *capture, const
               ffp_output_open_folder(&writer.folder, options->folder, false, err);
     if (ok) ffp_note_elsewhere(gaussians, capture);
     for (int v = 0; ok && v < chosen.n_views; v++)
-        ok = ffp_maps_fit(gaussians, chosen.views[v], options->drawing, err);
+        ok = ffp_warps_fit(gaussians, chosen.views[v], options->drawing, err);
     ok = ok && open_archive(&writer, &archive, &chosen, err);
     for (int v = 0; ok && v < chosen.n_views; v++) {
-        FfpMapStats found = {0};
-        FfpImages *images = ffp_maps_draw(gaussians, capture, chosen.views[v], options->drawing, &found);
+        FfpWarpStats found = {0};
+        FfpImages *images = ffp_warps_draw(gaussians, capture, chosen.views[v], options->drawing, &found);
         writer.view = chosen.views[v]->id;
         for (const FfpImageEntry *entry = images->first; ok && entry; entry = entry->next)
             ok = write_image(&writer, entry, chosen.views[v], err);

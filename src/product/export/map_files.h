@@ -6,8 +6,8 @@
 #include "core/gaussians/gaussians.h"
 #include "ffprocams.h"
 
-// The work of ffp_write_maps (ffprocams/render.h): the number of files, or -1.
-int ffp_maps_run(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpMaps *options,
-                 FfpMapStats *stats, int n_stats, FfpError *err);
+// The work of ffp_write_warps (ffprocams/render.h): the number of files, or -1.
+int ffp_warps_run(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpWarps *options,
+                  FfpWarpStats *stats, int n_stats, FfpError *err);
 
 #endif

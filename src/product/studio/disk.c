@@ -9,7 +9,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include "work.h"
+#include "rules.h"
 
 #define FILE_MOST ((size_t)1 << 28) // bytes of a photograph
 enum { JSON_MOST = 1 << 20, SET_ASIDE_MOST = 10000 };
@@ -178,12 +178,12 @@ void ffp_studio_free_names(char **names, int count) {
 
 json_t *ffp_studio_read_json(const FfpStudio *studio, const char *path) {
     const int file = ffp_studio_open(studio, path);
-    struct stat about;
-    json_t *value = NULL;
+    size_t size;
     if (file < 0) return NULL;
-    if (fstat(file, &about) == 0 && S_ISREG(about.st_mode) && about.st_size <= JSON_MOST)
-        value = json_loadfd(file, JSON_REJECT_DUPLICATES, NULL);
+    char *text = ffp_studio_read_whole(file, &size);
     close(file);
+    json_t *value = text && size <= JSON_MOST ? json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL) : NULL;
+    free(text);
     return value;
 }
 

@@ -1,7 +1,7 @@
 // Checks of a photograph's bytes before they are kept: a browser, a camera's program or anybody who has the
 // address may have sent them.
 #include <string.h>
-#include "work.h"
+#include "rules.h"
 
 enum { SIDE_MOST = 65500 };
 

@@ -5,9 +5,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "work.h"
+#include "rules.h"
 
 static const char *const endings[] = {"png", "jpg"};
+const char *const ffp_set_kinds[] = {"attitude", "table", "empty", "stop", "second", "trial"};
 
 const char *ffp_studio_setting(const FfpStudio *studio, const char *name, const char *otherwise) {
     const char *text = json_string_value(json_object_get(studio->settings, name));
@@ -37,8 +38,7 @@ int ffp_studio_pattern_number(const char *file) {
     const long number = strtol(file, &end, 10);
     const size_t length = strlen(file);
     return end == file + 3 && *end == '_' && number > 0 && ffp_studio_path(file) && length > 8 &&
-                   length + sizeof "patterns/" <= sizeof((FfpStudioShot *)0)->pattern &&
-                   strcmp(file + length - 4, ".png") == 0
+                   length <= 46 && strcmp(file + length - 4, ".png") == 0
                ? (int)number
                : 0;
 }
@@ -49,23 +49,39 @@ void ffp_studio_pattern_name(const char *file, char *name, size_t size) {
     snprintf(name, size, "%.*s", (int)(dot ? dot - begins : (ptrdiff_t)strlen(begins)), begins);
 }
 
-static bool is_wanted(const char *file, Wanted wanted) {
+FfpShotRole ffp_studio_pattern_role(const char *file) {
+    static const struct {
+        const char *begins;
+        FfpShotRole role;
+    } roles[] = {{"black.", FFP_SHOT_BLACK},
+                 {"white.", FFP_SHOT_WHITE},
+                 {"lollipop_", FFP_SHOT_LOLLIPOP},
+                 {"gray_", FFP_SHOT_CODE}};
     const char *name = strchr(file, '_') + 1;
-    const bool code = strncmp(name, "gray_", 5) == 0, lollipop = strncmp(name, "lollipop_", 9) == 0;
-    return wanted == WANTED_ALL || (wanted == WANTED_CODES ? !lollipop : !code);
+    for (size_t i = 0; i < sizeof roles / sizeof *roles; i++)
+        if (strncmp(name, roles[i].begins, strlen(roles[i].begins)) == 0) return roles[i].role;
+    return FFP_SHOT_OTHER;
+}
+
+static bool is_wanted(FfpShotRole role, Wanted wanted) {
+    return wanted == WANTED_ALL || role != (wanted == WANTED_CODES ? FFP_SHOT_LOLLIPOP : FFP_SHOT_CODE);
+}
+
+static void add_patterns_of(const FfpStudio *studio, const char *folder, FfpStudioSet *set, Wanted wanted) {
+    char *names[FFP_STUDIO_SHOTS];
+    const int count = ffp_studio_list(studio, folder, names, FFP_STUDIO_SHOTS);
+    for (int i = 0; i < count; i++) {
+        const int number = ffp_studio_pattern_number(names[i]);
+        if (number == 0 || !is_wanted(ffp_studio_pattern_role(names[i]), wanted)) continue;
+        FfpStudioShot *shot = &set->shots[set->count++];
+        *shot = (FfpStudioShot){.number = number, .role = ffp_studio_pattern_role(names[i])};
+        snprintf(shot->pattern, sizeof shot->pattern, "%.80s/%.46s", folder, names[i]);
+    }
+    ffp_studio_free_names(names, count);
 }
 
 static void add_patterns(const FfpStudio *studio, FfpStudioSet *set, Wanted wanted) {
-    char *names[FFP_STUDIO_SHOTS];
-    const int count = ffp_studio_list(studio, "patterns", names, FFP_STUDIO_SHOTS);
-    for (int i = 0; i < count; i++) {
-        const int number = ffp_studio_pattern_number(names[i]);
-        if (number == 0 || !is_wanted(names[i], wanted)) continue;
-        FfpStudioShot *shot = &set->shots[set->count++];
-        *shot = (FfpStudioShot){.number = number};
-        snprintf(shot->pattern, sizeof shot->pattern, "patterns/%s", names[i]);
-    }
-    ffp_studio_free_names(names, count);
+    add_patterns_of(studio, "patterns", set, wanted);
 }
 
 static void add_board_stops(const FfpStudio *studio, FfpStudioSet *set) {
@@ -73,7 +89,7 @@ static void add_board_stops(const FfpStudio *studio, FfpStudioSet *set) {
     const FfpStudioShot *white = NULL;
     add_patterns(studio, &all, WANTED_CAPTURE);
     for (int i = 0; i < all.count; i++)
-        if (strstr(all.shots[i].pattern, "_white.png")) white = &all.shots[i];
+        if (all.shots[i].role == FFP_SHOT_WHITE) white = &all.shots[i];
     const json_t *angles = json_object_get(studio->settings, "board_angles");
     for (size_t i = 0; white && i < json_array_size(angles) && i < FFP_STUDIO_SHOTS; i++) {
         FfpStudioShot *shot = &set->shots[set->count++];
@@ -118,7 +134,7 @@ bool ffp_studio_read_trial(const FfpStudio *studio, const char *object, FfpStudi
 }
 
 static bool is_of(const FfpStudioShot *shot, const FfpStudioTrial *t) {
-    return strstr(shot->pattern, "_black.png") || strstr(shot->pattern, "_white.png") ||
+    return shot->role == FFP_SHOT_BLACK || shot->role == FFP_SHOT_WHITE ||
            strcmp(shot->pattern, t->file) == 0;
 }
 
@@ -131,12 +147,40 @@ static bool trial_set(const FfpStudio *studio, const char *object, FfpStudioSet 
     for (int i = 0; i < all; i++)
         if (!t.watch && is_of(&set->shots[i], &t)) set->shots[set->count++] = set->shots[i];
     if (t.is_own && set->count < FFP_STUDIO_SHOTS) {
-        set->shots[set->count] = (FfpStudioShot){.number = FFP_STUDIO_OWN};
-        snprintf(set->shots[set->count++].pattern, sizeof set->shots->pattern, "%.79s", t.file);
+        set->shots[set->count] = (FfpStudioShot){.number = FFP_STUDIO_OWN, .role = FFP_SHOT_OWN};
+        snprintf(set->shots[set->count++].pattern, sizeof set->shots->pattern, "%.127s", t.file);
     }
     const double angle = ffp_studio_stop_angle(ffp_studio_object(studio, object), t.view);
     for (int i = 0; i < set->count; i++) set->shots[i].angle = angle, set->shots[i].has_angle = true;
     snprintf(set->stage, sizeof set->stage, "now");
+    return true;
+}
+
+// --- A second projector, at one stop or all. ---
+
+bool ffp_studio_read_second(const FfpStudio *studio, const char *object, FfpStudioSecond *s) {
+    const json_t *about = ffp_studio_object(studio, object), *second = json_object_get(about, "second"),
+                 *size = json_object_get(second, "size");
+    *s = (FfpStudioSecond){.view = json_string_value(json_object_get(second, "view")),
+                           .width = (int)json_integer_value(json_array_get(size, 0)),
+                           .height = (int)json_integer_value(json_array_get(size, 1))};
+    s->every = s->view && strcmp(s->view, FFP_STUDIO_EVERY) == 0;
+    snprintf(s->folder, sizeof s->folder, "objects/%.60s/" FFP_STUDIO_SECOND, object);
+    return (s->every || (s->view && ffp_studio_stop_angle(about, s->view) >= 0)) && s->width > 0 &&
+           s->height > 0;
+}
+
+static bool second_set(const FfpStudio *studio, const char *object, const char *view, FfpStudioSet *set) {
+    FfpStudioSecond s;
+    char folder[FFP_STUDIO_NAME + 16];
+    const double angle = ffp_studio_stop_angle(ffp_studio_object(studio, object), view);
+    if (angle < 0 || !ffp_studio_read_second(studio, object, &s) || !(s.every || strcmp(view, s.view) == 0))
+        return false;
+    snprintf(folder, sizeof folder, "%s/patterns", s.folder);
+    add_patterns_of(studio, folder, set, WANTED_ALL);
+    for (int i = 0; i < set->count; i++) set->shots[i].angle = angle, set->shots[i].has_angle = true;
+    set->panel[0] = s.width, set->panel[1] = s.height;
+    snprintf(set->stage, sizeof set->stage, FFP_STUDIO_SECOND "-%.16s", view);
     return true;
 }
 
@@ -147,19 +191,27 @@ static bool object_set(const FfpStudio *studio, const char *rest, FfpStudioSet *
     snprintf(name, sizeof name, "%.*s", (int)(slash - rest), rest);
     const json_t *object = ffp_studio_object(studio, name);
     if (!object) return false;
+    snprintf(set->object, sizeof set->object, "%s", name);
     const bool coded = json_is_true(json_object_get(object, "coded"));
     if (strcmp(slash + 1, "empty") == 0) {
         if (!json_is_true(json_object_get(object, "empty"))) return false;
+        set->kind = FFP_SET_EMPTY;
         add_patterns(studio, set, WANTED_CAPTURE);
         snprintf(set->stage, sizeof set->stage, "empty");
         return true;
     }
     if (strcmp(slash + 1, "now") == 0) {
+        set->kind = FFP_SET_TRIAL;
         add_patterns(studio, set, WANTED_ALL);
         return trial_set(studio, name, set);
     }
+    if (strncmp(slash + 1, FFP_STUDIO_SECOND "/", sizeof FFP_STUDIO_SECOND) == 0) {
+        set->kind = FFP_SET_SECOND;
+        return second_set(studio, name, slash + 1 + sizeof FFP_STUDIO_SECOND, set);
+    }
     const double angle = ffp_studio_stop_angle(object, slash + 1);
     if (angle < 0) return false;
+    set->kind = FFP_SET_STOP;
     add_patterns(studio, set, coded ? WANTED_ALL : WANTED_CAPTURE);
     for (int i = 0; i < set->count; i++) set->shots[i].angle = angle, set->shots[i].has_angle = true;
     snprintf(set->stage, sizeof set->stage, "%.31s", slash + 1);
@@ -193,9 +245,11 @@ bool ffp_studio_set(const FfpStudio *studio, const char *name, FfpStudioSet *set
     snprintf(set->name, sizeof set->name, "%s", name);
     if (strncmp(name, attitude, before) == 0 && strlen(name) == before + 2 &&
         strspn(name + before, "0123456789") == 2) {
+        set->kind = FFP_SET_ATTITUDE;
         add_patterns(studio, set, WANTED_CODES);
         snprintf(set->stage, sizeof set->stage, "attitude-%s", name + before);
     } else if (strcmp(name, "calibration/turntable") == 0) {
+        set->kind = FFP_SET_TABLE;
         add_board_stops(studio, set);
         snprintf(set->stage, sizeof set->stage, "turntable");
     } else if (strncmp(name, "objects/", 8) != 0 || !object_set(studio, name + 8, set)) {
@@ -205,9 +259,27 @@ bool ffp_studio_set(const FfpStudio *studio, const char *name, FfpStudioSet *set
     return true;
 }
 
+json_t *ffp_studio_second_state(const FfpStudio *studio, const char *object) {
+    FfpStudioSecond s;
+    FfpStudioSet set;
+    char path[2 * FFP_STUDIO_NAME];
+    int count = 0, done = 0;
+    const json_t *about = ffp_studio_object(studio, object);
+    const int stops = (int)json_integer_value(json_object_get(about, "stops"));
+    if (!ffp_studio_read_second(studio, object, &s)) return json_null();
+    for (int i = 0; i < stops; i++) {
+        snprintf(path, sizeof path, "%s/" FFP_STUDIO_VIEW "%03d", s.folder, (int)lround(360.0 * i / stops));
+        if (ffp_studio_set(studio, path, &set)) count += set.count, done += set.done;
+    }
+    snprintf(path, sizeof path, "%s/found/scene.json", s.folder);
+    return json_pack("{s:s, s:[ii], s:i, s:i, s:b}", "view", s.view, "size", s.width, s.height, "count",
+                     count, "done", done, "found", ffp_studio_exists(studio, path));
+}
+
 int ffp_studio_set_names(const FfpStudio *studio, const char *object, char names[][FFP_STUDIO_NAME],
                          int most) {
     const json_t *about = object ? ffp_studio_object(studio, object) : NULL;
+    FfpStudioSecond s;
     int count = 0;
     if (!object) {
         const int attitudes = (int)ffp_studio_number(studio, "attitudes", -1, 8);
@@ -219,9 +291,13 @@ int ffp_studio_set_names(const FfpStudio *studio, const char *object, char names
     if (json_is_true(json_object_get(about, "empty")) && count < most)
         snprintf(names[count++], FFP_STUDIO_NAME, "objects/%.60s/empty", object);
     const int stops = (int)json_integer_value(json_object_get(about, "stops"));
-    for (int i = 0; i < stops && count < most; i++)
-        snprintf(names[count++], FFP_STUDIO_NAME, "objects/%.60s/" FFP_STUDIO_VIEW "%03d", object,
-                 (int)lround(360.0 * i / stops));
+    const bool second = ffp_studio_read_second(studio, object, &s) && s.every;
+    for (int i = 0; i < stops && count + 2 <= most; i++) {
+        const int angle = (int)lround(360.0 * i / stops);
+        snprintf(names[count++], FFP_STUDIO_NAME, "objects/%.60s/" FFP_STUDIO_VIEW "%03d", object, angle);
+        if (second)
+            snprintf(names[count++], FFP_STUDIO_NAME, "%.80s/" FFP_STUDIO_VIEW "%03d", s.folder, angle);
+    }
     return count;
 }
 
@@ -229,6 +305,10 @@ int ffp_studio_next(const FfpStudioSet *set) {
     for (int i = 0; i < set->count; i++)
         if (!set->there[i]) return i;
     return -1;
+}
+
+bool ffp_studio_complete(const FfpStudioSet *set) {
+    return set->count > 0 && set->done == set->count;
 }
 
 static bool any_of(const FfpStudio *studio, const char *object) {

@@ -8,10 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/inotify.h>
-#include <sys/stat.h>
 #include <unistd.h>
-#include "work.h"
+#include "rules.h"
 
 // The shot of this number, if it is due now.
 const FfpStudioShot *ffp_studio_due(const FfpStudio *studio, const char *name, int number, FfpStudioSet *set,
@@ -87,7 +85,7 @@ static void leave_file(FfpStudio *studio, const char *file, const char *why) {
     ffp_studio_changed(studio);
 }
 
-static void take_file(FfpStudio *studio, const char *folder, const char *file) {
+void ffp_studio_arrived(FfpStudio *studio, const char *folder, const char *file) {
     char path[8192], *bytes;
     size_t size;
     FfpStudioSet set;
@@ -107,35 +105,4 @@ static void take_file(FfpStudio *studio, const char *folder, const char *file) {
     if (!bytes || !ffp_studio_store(studio, set.name, set.shots[next].number, bytes, size, said))
         leave_file(studio, file, said);
     free(bytes);
-}
-
-bool ffp_studio_watch(FfpStudio *studio, const char *folder, char said[FFP_STUDIO_SAID]) {
-    const int watch = inotify_add_watch(studio->changes, folder, IN_CLOSE_WRITE | IN_MOVED_TO | IN_ONLYDIR);
-    if (watch < 0)
-        return ffp_studio_say(said, "the folder %s cannot be watched: %s", folder, strerror(errno));
-    if (studio->watch >= 0 && studio->watch != watch) // the same folder has the same watch
-        inotify_rm_watch(studio->changes, studio->watch);
-    studio->watch = watch;
-    return true;
-}
-
-// It was deleted, or its disk was taken out.
-static void lose_watch(FfpStudio *studio, const char *folder) {
-    studio->watch = -1;
-    snprintf(studio->notice, sizeof studio->notice,
-             "The folder %.300s is gone: make it again, or name another (step 1).", folder);
-    ffp_studio_changed(studio);
-}
-
-void ffp_studio_arrived(FfpStudio *studio) {
-    _Alignas(struct inotify_event) char events[16384];
-    const ssize_t got = read(studio->changes, events, sizeof events);
-    const char *folder = ffp_studio_setting(studio, "watched", NULL);
-    const bool watching = strcmp(ffp_studio_setting(studio, "camera", ""), "folder") == 0;
-    for (ssize_t at = 0; folder && watching && at < got;) {
-        const struct inotify_event *event = (const struct inotify_event *)(events + at);
-        if (event->wd == studio->watch && (event->mask & IN_IGNORED)) lose_watch(studio, folder);
-        if (event->len > 0 && !(event->mask & IN_ISDIR)) take_file(studio, folder, event->name);
-        at += (ssize_t)(sizeof *event + event->len);
-    }
 }

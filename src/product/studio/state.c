@@ -5,8 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-#include "work.h"
+#include "rules.h"
 
 bool ffp_studio_say(char said[FFP_STUDIO_SAID], const char *format, ...) {
     va_list arguments;
@@ -109,11 +108,14 @@ static json_t *set_state(const FfpStudio *studio, const FfpStudioSet *set) {
     char board[FFP_STUDIO_NAME + 16];
     const int next = ffp_studio_next(set);
     snprintf(board, sizeof board, "%s/board.json", set->name);
-    json_t *state = json_pack("{s:s, s:i, s:i, s:s, s:b, s:b}", "name", set->name, "count", set->count,
-                              "done", set->done, "ending", set->ending, "simulated", set->stage[0] != 0,
-                              "looked", ffp_studio_exists(studio, board));
+    json_t *state =
+        json_pack("{s:s, s:s, s:i, s:i, s:s, s:b, s:b}", "name", set->name, "kind", ffp_set_kinds[set->kind],
+                  "count", set->count, "done", set->done, "ending", set->ending, "simulated",
+                  set->stage[0] != 0, "looked", ffp_studio_exists(studio, board));
     if (set->count > 0 && set->shots[0].has_angle)
         json_object_set_new(state, "angle", json_real(set->shots[next >= 0 ? next : 0].angle));
+    if (set->panel[0] > 0)
+        json_object_set_new(state, "panel", json_pack("[ii]", set->panel[0], set->panel[1]));
     if (next >= 0 && set->count > 0)
         json_object_set_new(
             state, "next",
@@ -124,8 +126,9 @@ static json_t *set_state(const FfpStudio *studio, const FfpStudioSet *set) {
 static json_t *shots_state(const FfpStudioSet *set) {
     json_t *shots = json_array();
     for (int i = 0; i < set->count; i++)
-        json_array_append_new(shots, json_pack("{s:i, s:s, s:b}", "number", set->shots[i].number, "pattern",
-                                               set->shots[i].pattern, "there", set->there[i]));
+        json_array_append_new(shots, json_pack("{s:i, s:s, s:b, s:b}", "number", set->shots[i].number,
+                                               "pattern", set->shots[i].pattern, "white",
+                                               set->shots[i].role == FFP_SHOT_WHITE, "there", set->there[i]));
     return shots;
 }
 
@@ -146,19 +149,33 @@ static bool in_object(const FfpStudio *studio, const char *object, const char *f
     return ffp_studio_exists(studio, path);
 }
 
+// Of the object's longer side, in the capture and in the photographs; null: it is of an older version, or
+// none.
+static json_t *pixels_of(const FfpStudio *studio, const char *object) {
+    char path[FFP_STUDIO_NAME];
+    snprintf(path, sizeof path, "objects/%.60s/capture/scene.json", object);
+    json_t *scene = ffp_studio_read_json(studio, path),
+           *pixels = json_object_get(json_object_get(scene, "object"), "pixels");
+    pixels = pixels ? json_incref(pixels) : json_null();
+    json_decref(scene);
+    return pixels;
+}
+
 static json_t *objects_state(const FfpStudio *studio) {
     json_t *objects = json_array(), *about;
     const char *name;
     json_object_foreach(json_object_get(studio->settings, "objects"), name, about) {
-        json_array_append_new(objects,
-                              json_pack("{s:s, s:O, s:o, s:b, s:b, s:b, s:b, s:b, s:b}", "name", name,
-                                        "about", about, "sets", sets_state(studio, name), "capture",
-                                        in_object(studio, name, "capture/scene.json"), "view",
-                                        in_object(studio, name, "view.html"), "known",
-                                        in_object(studio, name, "known/axis.json"), "scores",
-                                        in_object(studio, name, "scores.json"), "now",
-                                        in_object(studio, name, "now/capture/scores.json"), "aligned",
-                                        in_object(studio, name, "now/aligned/scores.json")));
+        json_array_append_new(
+            objects, json_pack("{s:s, s:O, s:o, s:o, s:o, s:b, s:b, s:b, s:b, s:b, s:b, s:o}", "name", name,
+                               "about", about, "sets", sets_state(studio, name), "pixels",
+                               pixels_of(studio, name), "expected", ffp_studio_expected(studio, name),
+                               "capture", in_object(studio, name, "capture/scene.json"), "view",
+                               in_object(studio, name, "view.html"), "known",
+                               in_object(studio, name, "known/axis.json"), "scores",
+                               in_object(studio, name, "scores.json"), "now",
+                               in_object(studio, name, "now/capture/scores.json"), "aligned",
+                               in_object(studio, name, "now/aligned/scores.json"), "second",
+                               ffp_studio_second_state(studio, name)));
     }
     return objects;
 }
@@ -195,13 +212,23 @@ json_t *ffp_studio_state(FfpStudio *studio) {
     }
     json_object_del(settings, "simulator");
     if (!studio->listed) studio->listed = listed_state(studio);
-    json_t *state =
-        json_pack("{s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "version", (json_int_t)studio->version,
-                  "folder", text(studio->folder, strlen(studio->folder)), "settings", settings, "active",
-                  active, "job", job_state(&studio->job), "camera", job_state(&studio->camera), "eye",
-                  job_state(&studio->eye), "notice", text(studio->notice, strlen(studio->notice)));
+    json_t *state = json_pack(
+        "{s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "run", (json_int_t)studio->run, "version",
+        (json_int_t)studio->version, "program", text(studio->program, strlen(studio->program)), "folder",
+        text(studio->folder, strlen(studio->folder)), "settings", settings, "active", active, "job",
+        job_state(&studio->job), "camera", job_state(&studio->camera), "eye", job_state(&studio->eye),
+        "notice", text(studio->notice, strlen(studio->notice)));
     json_t *listed = json_deep_copy(studio->listed);
     json_object_update(state, listed);
     json_decref(listed);
     return state;
+}
+
+void ffp_studio_close(FfpStudio *studio) {
+    FfpStudioJob *const jobs[] = {&studio->job, &studio->camera, &studio->eye};
+    for (int i = 0; i < 3; i++) {
+        json_decref(jobs[i]->findings);
+        ffp_studio_clear(jobs[i]);
+    }
+    json_decref(studio->settings), json_decref(studio->listed);
 }

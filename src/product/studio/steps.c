@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "work.h"
+#include "rules.h"
 
 static void words(FfpStudioCommand *c, const char *const list[]) {
     for (int i = 0; list[i]; i++) ffp_studio_word(c, "%s", list[i]);
@@ -50,9 +50,9 @@ static int add_attitudes(const FfpStudio *studio, FfpStudioCommand *c) {
     int complete = 0;
     const int count = ffp_studio_set_names(studio, NULL, names, 64);
     for (int i = 0; i < count; i++) {
-        if (strncmp(names[i], "calibration/attitude-", 21) != 0 || !ffp_studio_set(studio, names[i], &set))
+        if (!ffp_studio_set(studio, names[i], &set) || set.kind != FFP_SET_ATTITUDE ||
+            !ffp_studio_complete(&set))
             continue;
-        if (set.count == 0 || set.done < set.count) continue;
         ffp_studio_word(c, "%s", names[i]);
         complete++;
     }
@@ -63,7 +63,7 @@ static void add_table(const FfpStudio *studio, FfpStudioCommand *c) {
     FfpStudioSet set;
     char list[2048] = "";
     size_t length = 0;
-    if (!ffp_studio_set(studio, "calibration/turntable", &set) || set.count < 3 || set.done < set.count)
+    if (!ffp_studio_set(studio, "calibration/turntable", &set) || set.count < 3 || !ffp_studio_complete(&set))
         return;
     for (int i = 0; i < set.count && length < sizeof list; i++)
         length += (size_t)snprintf(list + length, sizeof list - length, "%s%.9g", i > 0 ? "," : "",
@@ -75,15 +75,13 @@ static void add_table(const FfpStudio *studio, FfpStudioCommand *c) {
 
 // The calibration from the codes on an object, at those of its stops that are complete; how many.
 static int add_stops(const FfpStudio *studio, FfpStudioCommand *c, const char *object, const char *folder) {
-    char names[FFP_STUDIO_SETS][FFP_STUDIO_NAME], angles[2048] = "", prefix[FFP_STUDIO_NAME];
+    char names[FFP_STUDIO_SETS][FFP_STUDIO_NAME], angles[2048] = "";
     FfpStudioSet set;
     size_t length = 0;
     int complete = 0;
     const int count = ffp_studio_set_names(studio, object, names, FFP_STUDIO_SETS);
-    snprintf(prefix, sizeof prefix, "objects/%.60s/view-", object);
     for (int i = 0; i < count; i++) {
-        if (strncmp(names[i], prefix, strlen(prefix)) != 0 || !ffp_studio_set(studio, names[i], &set) ||
-            set.count == 0 || set.done < set.count)
+        if (!ffp_studio_set(studio, names[i], &set) || set.kind != FFP_SET_STOP || !ffp_studio_complete(&set))
             continue;
         ffp_studio_word(c, "%s", names[i]);
         length += (size_t)snprintf(angles + length, sizeof angles - length, "%s%.9g",
@@ -113,14 +111,15 @@ bool ffp_studio_look(FfpStudio *studio, const char *name, char said[FFP_STUDIO_S
     FfpStudioSet set;
     int white = -1;
     if (studio->eye.end == FFP_JOB_RUNNING) return true; // asked again in a moment
-    if (ffp_studio_without_board(studio) && strncmp(name, "objects/", 8) == 0) {
+    const bool known = ffp_studio_set(studio, name, &set);
+    if (known && ffp_studio_without_board(studio) && set.object[0]) {
         ffp_studio_clear(&studio->eye);
         return look_at_stops(studio, said);
     }
-    if (strncmp(name, "calibration/attitude-", 21) != 0 || !ffp_studio_set(studio, name, &set))
+    if (!known || set.kind != FFP_SET_ATTITUDE)
         return ffp_studio_say(said, "set: there is no such set of photographs of the board");
     for (int i = 0; i < set.count; i++)
-        if (set.there[i] && strstr(set.shots[i].pattern, "_white.png")) white = set.shots[i].number;
+        if (set.there[i] && set.shots[i].role == FFP_SHOT_WHITE) white = set.shots[i].number;
     if (white < 0) return ffp_studio_say(said, "%s has no photograph under white yet", name);
     ffp_studio_clear(&studio->eye);
     FfpStudioCommand *c = ffp_studio_command(&studio->eye, "calibrate");
@@ -150,16 +149,12 @@ static bool calibrate(FfpStudio *studio, FfpStudioJob *job, char *said) {
 
 // --- The object. ---
 
-static bool is_lollipop(const FfpStudioShot *shot) {
-    return strstr(shot->pattern, "_lollipop_") != NULL;
-}
-
 // The last of several lollipops, which is to be predicted; NULL: there is one only.
 static const FfpStudioShot *held_out(const FfpStudioSet *set) {
     const FfpStudioShot *last = NULL;
     int count = 0;
     for (int i = 0; i < set->count; i++)
-        if (is_lollipop(&set->shots[i])) last = &set->shots[i], count++;
+        if (set->shots[i].role == FFP_SHOT_LOLLIPOP) last = &set->shots[i], count++;
     return count > 1 ? last : NULL;
 }
 
@@ -186,13 +181,18 @@ static void add_photographs(const FfpStudio *studio, FfpStudioCommand *c, const 
     }
 }
 
-// All stops, and the empty stage where one is wanted.
+// All stops under the first projector, and the empty stage where one is wanted; `stop` is the last of them.
 static bool all_there(const FfpStudio *studio, const char *object, FfpStudioSet *stop, char *said) {
     char names[FFP_STUDIO_SETS][FFP_STUDIO_NAME];
+    FfpStudioSet set;
     const int count = ffp_studio_set_names(studio, object, names, FFP_STUDIO_SETS);
+    memset(stop, 0, sizeof *stop);
     for (int i = 0; i < count; i++) {
-        if (!ffp_studio_set(studio, names[i], stop) || stop->count == 0 || stop->done < stop->count)
-            return ffp_studio_say(said, "%s has %d of %d photographs", names[i], stop->done, stop->count);
+        const bool known = ffp_studio_set(studio, names[i], &set);
+        if (known && set.kind == FFP_SET_SECOND) continue; // that projector is found later
+        if (!known || !ffp_studio_complete(&set))
+            return ffp_studio_say(said, "%s has %d of %d photographs", names[i], set.done, set.count);
+        *stop = set;
     }
     return count > 0;
 }
@@ -210,16 +210,34 @@ FfpStudioCommand *ffp_studio_import(const FfpStudio *studio, FfpStudioJob *job, 
                                        "--angles", NULL});
         ffp_studio_word(c, "%dx%.9g", stops, 360.0 / stops);
     }
-    ffp_studio_word(c, "-w");
-    ffp_studio_word(c, "%lld", ffp_studio_number(studio, "width", -1, 128));
     option(c, "--name", object);
     return c;
+}
+
+void ffp_studio_add_width(const FfpStudio *studio, FfpStudioCommand *c) {
+    ffp_studio_word(c, "-w");
+    ffp_studio_word(c, "%lld", ffp_studio_number(studio, "width", -1, 128));
+}
+
+// Reconstructs the object and writes its page.
+static void add_object(const FfpStudio *studio, FfpStudioJob *job, const char *folder, bool draft) {
+    FfpStudioCommand *c = ffp_studio_command(job, "reconstruct");
+    ffp_studio_word(c, "%s/capture", folder);
+    if (draft) ffp_studio_add_width(studio, c);
+    ffp_studio_word(c, "-o");
+    ffp_studio_word(c, "%s/object.ply", folder);
+    c = ffp_studio_command(job, "view");
+    ffp_studio_word(c, "%s/object.ply", folder);
+    ffp_studio_word(c, "--capture");
+    ffp_studio_word(c, "%s/capture", folder);
+    ffp_studio_word(c, "-o");
+    ffp_studio_word(c, "%s/view.html", folder);
 }
 
 static bool make(FfpStudio *studio, FfpStudioJob *job, char *said) {
     const char *object = ffp_studio_setting(studio, "object", "");
     FfpStudioSet stop;
-    char folder[FFP_STUDIO_NAME], capture[FFP_STUDIO_NAME], ply[FFP_STUDIO_NAME], page[FFP_STUDIO_NAME];
+    char folder[FFP_STUDIO_NAME], capture[FFP_STUDIO_NAME], found[FFP_STUDIO_NAME];
     if (!ffp_studio_object(studio, object)) return ffp_studio_say(said, "no object is chosen");
     const bool alone = ffp_studio_without_board(studio);
     if (!alone && !ffp_studio_exists(studio, "calibration/axis.json"))
@@ -227,10 +245,11 @@ static bool make(FfpStudio *studio, FfpStudioJob *job, char *said) {
     if (!all_there(studio, object, &stop, said)) return false;
     snprintf(folder, sizeof folder, "objects/%.60s", object);
     snprintf(capture, sizeof capture, "objects/%.60s/capture", object);
-    snprintf(ply, sizeof ply, "objects/%.60s/object.ply", object);
-    snprintf(page, sizeof page, "objects/%.60s/view.html", object);
+    snprintf(found, sizeof found, "objects/%.60s/" FFP_STUDIO_SECOND "/found", object); // in another world
     if (!ffp_studio_set_aside(studio, capture))
         return ffp_studio_say(said, "%s cannot be moved to discarded/", capture);
+    if (!ffp_studio_set_aside(studio, found))
+        return ffp_studio_say(said, "%s cannot be moved to discarded/", found);
     if (alone) add_stops(studio, ffp_studio_command(job, "calibrate"), object, folder);
     FfpStudioCommand *c = ffp_studio_import(studio, job, object);
     ffp_studio_word(c, "--fit-response");
@@ -238,9 +257,8 @@ static bool make(FfpStudio *studio, FfpStudioJob *job, char *said) {
     add_photographs(studio, c, object, &stop);
     option(c, "-o", capture);
     ffp_studio_word(ffp_studio_command(job, "info"), "%s", capture);
-    words(ffp_studio_command(job, "reconstruct"), (const char *const[]){capture, "-o", ply, NULL});
-    words(ffp_studio_command(job, "view"),
-          (const char *const[]){ply, "--capture", capture, "-o", page, NULL});
+    add_object(studio, job, folder, true);
+    if (!json_is_true(json_object_get(studio->settings, "draft"))) add_object(studio, job, folder, false);
     return true;
 }
 

@@ -7,14 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-#include "work.h"
+#include "rules.h"
 
 // A numbered file of patterns/ beside black and white.
 static bool is_pattern(const FfpStudio *studio, const char *name) {
     char path[FFP_STUDIO_NAME];
-    if (!name || ffp_studio_pattern_number(name) == 0 || strstr(name, "_black.png") ||
-        strstr(name, "_white.png"))
-        return false;
+    if (!name || ffp_studio_pattern_number(name) == 0) return false;
+    const FfpShotRole role = ffp_studio_pattern_role(name);
+    if (role == FFP_SHOT_BLACK || role == FFP_SHOT_WHITE) return false;
     snprintf(path, sizeof path, "patterns/%s", name);
     return ffp_studio_exists(studio, path);
 }
@@ -79,8 +79,7 @@ bool ffp_studio_store_own(FfpStudio *studio, bool watch, const void *bytes, size
 
 // --- The commands. ---
 
-// The sphere around the object that its capture was made with; false: there is none.
-static bool add_sphere(const FfpStudio *studio, const char *object, FfpStudioCommand *c) {
+bool ffp_studio_add_sphere(const FfpStudio *studio, const char *object, FfpStudioCommand *c) {
     char path[FFP_STUDIO_NAME];
     snprintf(path, sizeof path, "objects/%.60s/capture/scene.json", object);
     json_t *scene = ffp_studio_read_json(studio, path);
@@ -102,8 +101,7 @@ static void add_plain(const FfpStudio *studio, const FfpStudioTrial *t, FfpStudi
     snprintf(path, sizeof path, "objects/%.60s/%.60s", t->object, t->view);
     if (!ffp_studio_set(studio, path, &stop)) return;
     for (int i = 0; i < stop.count; i++) {
-        if (!strstr(stop.shots[i].pattern, "_black.png") && !strstr(stop.shots[i].pattern, "_white.png"))
-            continue;
+        if (stop.shots[i].role != FFP_SHOT_BLACK && stop.shots[i].role != FFP_SHOT_WHITE) continue;
         ffp_studio_pattern_name(stop.shots[i].pattern, name, sizeof name);
         ffp_studio_word(c, "-i");
         ffp_studio_word(c, "%s=%s/%03d.%s", name, path, stop.shots[i].number, stop.ending);
@@ -119,7 +117,7 @@ static void add_shots(const FfpStudio *studio, const FfpStudioTrial *t, const Ff
     if (t->watch) add_plain(studio, t, c);
     for (int i = 0; i < now->count; i++) {
         ffp_studio_pattern_name(now->shots[i].pattern, name, sizeof name);
-        if (now->shots[i].number == FFP_STUDIO_OWN) snprintf(name, sizeof name, "%s", t->name);
+        if (now->shots[i].role == FFP_SHOT_OWN) snprintf(name, sizeof name, "%s", t->name);
         ffp_studio_word(c, "-i");
         ffp_studio_word(c, "%s=%s/%03d.%s", name, now->name, now->shots[i].number, now->ending);
         for (int k = 0; has_empty && k < empty.count; k++) {
@@ -165,11 +163,14 @@ static bool import_now(FfpStudio *studio, FfpStudioJob *job, bool watch, char *s
     if (!set_made_aside(studio, object, "capture", said) || !set_made_aside(studio, object, "aligned", said))
         return false;
     FfpStudioCommand *c = ffp_studio_import(studio, job, object);
-    if (!watch) ffp_studio_word(c, "--fit-response"); // one picture does not tell it
+    if (watch)
+        ffp_studio_add_width(studio, c);
+    else
+        ffp_studio_word(c, "--fit-response"); // one picture does not tell it
     ffp_studio_word(c, "-v");
     ffp_studio_word(c, "%s", t.view + (ffp_studio_without_board(studio) ? 0 : strlen(FFP_STUDIO_VIEW)));
     add_shots(studio, &t, &now, c);
-    if (!add_sphere(studio, object, c))
+    if (!ffp_studio_add_sphere(studio, object, c))
         return ffp_studio_say(said, "objects/%s/capture/scene.json has no object", object);
     ffp_studio_word(c, "-o");
     ffp_studio_word(c, "%s/capture", path);

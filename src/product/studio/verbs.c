@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "work.h"
+#include "rules.h"
 
 enum { SIDE_LEAST = 64, SIDE_MOST = 16384 };
 
@@ -80,7 +80,7 @@ static bool check_setting(FfpStudio *studio, const char *name, const json_t *val
     if (strcmp(name, "width") == 0)
         return is_count(value, 64, 1024) || say(said, name, "takes a width of 64 to 1024 pixels");
     if (strcmp(name, "fix") == 0) return is_fix(value) || say(said, name, "takes terms of `calibrate --fix`");
-    if (strcmp(name, "without_board") == 0)
+    if (strcmp(name, "without_board") == 0 || strcmp(name, "draft") == 0)
         return json_is_boolean(value) || say(said, name, "takes true or false");
     if (strcmp(name, "camera") == 0)
         return is_camera(studio, value) || say(said, name, "there is no such camera");
@@ -113,7 +113,7 @@ static bool set_up(FfpStudio *studio, const json_t *request, char *said) {
                 said, "%s: there are photographs of the patterns as they are; begin a new folder", name);
     }
     const char *watched = json_string_value(json_object_get(values, "watched"));
-    if (watched && !ffp_studio_watch(studio, watched, said)) return false;
+    if (watched && !studio->platform->watch(studio, watched, said)) return false;
     json_object_update(studio->settings, (json_t *)values);
     return ffp_studio_save(studio, said);
 }
@@ -155,8 +155,8 @@ static bool shoot(FfpStudio *studio, const json_t *request, char *said) {
     if (set.count == 0) return ffp_studio_say(said, "the patterns are not drawn yet");
     if (ffp_studio_next(&set) < 0) return ffp_studio_say(said, "%s is complete", name);
     const char *watched = ffp_studio_setting(studio, "watched", NULL);
-    if (strcmp(ffp_studio_setting(studio, "camera", ""), "folder") == 0 && studio->watch < 0 &&
-        !(watched ? ffp_studio_watch(studio, watched, said)
+    if (strcmp(ffp_studio_setting(studio, "camera", ""), "folder") == 0 && !studio->watching &&
+        !(watched ? studio->platform->watch(studio, watched, said)
                   : ffp_studio_say(said, "name the folder that the camera fills (step 1)")))
         return false;
     json_object_set_new(studio->settings, "active", json_string(name));
@@ -202,7 +202,8 @@ static bool run(FfpStudio *studio, const json_t *request, char *said) {
     if (studio->job.end == FFP_JOB_RUNNING)
         return ffp_studio_say(said, "%s is still running", studio->job.name);
     ffp_studio_clear(&studio->job);
-    const bool ready = ffp_studio_is_trial_step(step)
+    const bool ready = strcmp(step, "second") == 0 ? ffp_studio_find_second(studio, &studio->job, said)
+                       : ffp_studio_is_trial_step(step)
                            ? ffp_studio_trial_step(studio, step, &studio->job, said)
                            : ffp_studio_step(studio, step, &studio->job, said);
     if (ready && ffp_studio_start(studio, &studio->job, step)) return true;
@@ -212,7 +213,7 @@ static bool run(FfpStudio *studio, const json_t *request, char *said) {
 
 static bool cancel(FfpStudio *studio, const json_t *request, char *said) {
     (void)request, (void)said;
-    ffp_studio_stop(&studio->job);
+    ffp_studio_stop(studio, &studio->job);
     ffp_studio_changed(studio);
     return true;
 }
@@ -221,11 +222,17 @@ bool ffp_studio_do(FfpStudio *studio, const json_t *request, char said[FFP_STUDI
     static const struct {
         const char *name;
         bool (*act)(FfpStudio *, const json_t *, char *);
-    } verbs[] = {{"set", set_up},      {"object", choose_object},
-                 {"shoot", shoot},     {"show", show},
-                 {"take", take},       {"look", look},
-                 {"discard", discard}, {"run", run},
-                 {"cancel", cancel},   {"try", ffp_studio_try}};
+    } verbs[] = {{"set", set_up},
+                 {"object", choose_object},
+                 {"shoot", shoot},
+                 {"show", show},
+                 {"take", take},
+                 {"look", look},
+                 {"discard", discard},
+                 {"run", run},
+                 {"cancel", cancel},
+                 {"try", ffp_studio_try},
+                 {"second", ffp_studio_begin_second}};
     const char *verb = json_string_value(json_object_get(request, "verb"));
     said[0] = 0;
     for (size_t i = 0; verb && i < sizeof verbs / sizeof *verbs; i++)

@@ -18,6 +18,9 @@ typedef struct Writer {
     FfpPageCounts *stats;
     FILE *out;
     size_t patterns, photographs; // bytes so far
+    size_t typical;               // bytes of the last view's first photograph
+    int views;                    // that have photographs, after those that are written
+    int side;                     // to which the last one that had to shrink did; 0: none had to
 } Writer;
 
 // A JSON string that may stand in HTML: "<" is escaped too.
@@ -59,7 +62,7 @@ static bool pack_picture(Writer *w, const FfpImage *linear, int longest, size_t 
     const bool ok = ffp_image_encode_png(&picture, &bytes, &size, err);
     ffp_image_free(&picture);
     if (!ok) return false;
-    *fits = size <= room - *used;
+    *fits = *used + size <= room;
     if (*fits) {
         fprintf(w->out, "\"at\":%zu,\"size\":%zu", w->packed->size, size);
         ffp_bytes_append(w->packed, bytes, size);
@@ -91,55 +94,79 @@ static bool write_patterns(Writer *w, FfpError *err) {
     return true;
 }
 
-// The view's photographs at no more than the size that the page takes, unless there is no room for any.
-static bool read_photographs(const Writer *w, const FfpCapture *from, int v, FfpView *read, FfpError *err) {
-    const FfpCamera *camera = &from->views[v].camera;
-    const int longest = camera->width > camera->height ? camera->width : camera->height;
-    const int factor = (longest + READ_SIDE - 1) / READ_SIDE;
-    int patterns[FFP_PATTERNS_MAX], n = 0;
-    for (int p = 0; p < ffp_patterns_shown(w->source->capture); p++)
-        if (ffp_photographs_has(from, v, p)) patterns[n++] = p;
-    *read = (FfpView){0};
-    return n == 0 || w->photographs >= PHOTOGRAPHS_ROOM || w->source->photographs <= 0 ||
-           ffp_photographs_read(read, from, v, patterns, n, (camera->width + factor - 1) / factor,
-                                (camera->height + factor - 1) / factor, err);
+// The patterns of a view's photographs, first white's, which stands for the view.
+static int patterns_of(const FfpCapture *capture, const FfpCapture *from, int v, int *patterns) {
+    int n = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < ffp_patterns_shown(capture); i++)
+            if ((i == capture->white) == (pass == 0) && ffp_photographs_has(from, v, i)) patterns[n++] = i;
+    return n;
 }
 
-static bool pack_photographs(Writer *w, const FfpCapture *from, int v, const FfpView *read, FfpError *err) {
-    int written = 0;
-    for (int i = 0; i < ffp_patterns_shown(w->source->capture) && w->source->photographs > 0; i++) {
-        bool fits = w->photographs < PHOTOGRAPHS_ROOM;
-        if (!ffp_photographs_has(from, v, i)) continue;
-        if (!fits) {
-            w->stats->photographs_left++;
-            continue;
-        }
-        fprintf(w->out, "%s{\"pattern\":%d,", written++ ? "," : "", i);
-        if (!pack_picture(w, &read->images[i], w->source->photographs, &w->photographs, PHOTOGRAPHS_ROOM,
-                          &fits, err))
-            return false;
+// At the size that the page takes, or smaller where it does not fit and may `shrink`.
+static bool pack_photograph(Writer *w, const FfpImage *image, size_t room, bool shrink, bool *fits,
+                            FfpError *err) {
+    const int own = image->width > image->height ? image->width : image->height;
+    const int most = shrink && w->side > 0 ? w->side : w->source->photographs;
+    int side = own < most ? own : most;
+    bool ok = pack_picture(w, image, side, &w->photographs, room, fits, err);
+    while (ok && shrink && !*fits && (side = side * 9 / 10) > 0) {
+        ok = pack_picture(w, image, side, &w->photographs, room, fits, err);
+        if (*fits) w->side = side;
+    }
+    return ok;
+}
+
+// The first one within the view's part of the room; the others as long as every later view keeps room for
+// one.
+static bool pack_photographs(Writer *w, const int *patterns, int n, const FfpView *read, FfpError *err) {
+    const size_t before = w->photographs, later = (size_t)w->views;
+    for (int i = 0; i < n; i++) {
+        const size_t room = i == 0 ? before + (PHOTOGRAPHS_ROOM - before) / (later + 1)
+                            : later * w->typical < PHOTOGRAPHS_ROOM ? PHOTOGRAPHS_ROOM - later * w->typical
+                                                                    : 0;
+        bool fits = false;
+        fprintf(w->out, "%s{\"pattern\":%d,", i ? "," : "", patterns[i]);
+        if (!pack_photograph(w, &read->images[patterns[i]], room, i == 0, &fits, err)) return false;
         fputs(fits ? "}" : "\"size\":0}", w->out);
         w->stats->photographs += fits;
         w->stats->photographs_left += !fits;
+        if (i == 0) w->typical = w->photographs - before;
     }
     return true;
 }
 
+// Read at no more than READ_SIDE; the first one alone where there is no room for others.
 static bool write_photographs(Writer *w, const FfpCapture *from, int v, FfpError *err) {
-    FfpView read;
+    const FfpCamera *camera = &from->views[v].camera;
+    const int longest = camera->width > camera->height ? camera->width : camera->height;
+    const int factor = (longest + READ_SIDE - 1) / READ_SIDE;
+    int patterns[FFP_PATTERNS_MAX];
+    const int n = w->source->photographs > 0 ? patterns_of(w->source->capture, from, v, patterns) : 0;
+    const bool roomy = w->photographs + ((size_t)w->views + 1) * w->typical < PHOTOGRAPHS_ROOM;
+    const int n_read = n > 1 && !roomy ? 1 : n;
+    FfpView read = {0};
+    w->views -= n > 0;
+    w->stats->photographs_left += n - n_read;
     fputs(",\"photographs\":[", w->out);
-    if (!read_photographs(w, from, v, &read, err)) return false;
-    const bool ok = pack_photographs(w, from, v, &read, err);
+    const bool ok = n == 0 || (ffp_photographs_read(&read, from, v, patterns, n_read,
+                                                    (camera->width + factor - 1) / factor,
+                                                    (camera->height + factor - 1) / factor, err) &&
+                               pack_photographs(w, patterns, n_read, &read, err));
     ffp_view_reduced_free(&read, from->n_patterns);
     fputc(']', w->out);
     return ok;
 }
 
 static bool write_views(Writer *w, FfpError *err) {
-    int written = 0;
+    const FfpCapture *sources[] = {w->source->capture, w->source->poses};
+    int written = 0, patterns[FFP_PATTERNS_MAX];
+    for (int pass = 0; pass < 2; pass++)
+        for (int v = 0; sources[pass] && v < sources[pass]->n_views; v++)
+            w->views += patterns_of(w->source->capture, sources[pass], v, patterns) > 0;
     fputs("\"views\":[", w->out);
     for (int pass = 0; pass < 2; pass++) {
-        const FfpCapture *from = pass ? w->source->poses : w->source->capture;
+        const FfpCapture *from = sources[pass];
         for (int v = 0; from && v < from->n_views; v++) {
             const FfpView *view = &from->views[v];
             fprintf(w->out, "%s\n{\"id\":", written++ ? "," : "");
@@ -175,11 +202,12 @@ static void write_baked(FILE *out, const FfpBakedShadows *baked) {
 
 static void write_splats(Writer *w) {
     float low[FFP_PAGE_COLUMNS], high[FFP_PAGE_COLUMNS];
+    const int columns = ffp_page_columns(w->source->gaussians);
     const int64_t count = ffp_pack_splats(w->packed, w->source->gaussians, low, high);
     fprintf(w->out, "\"count\":%lld,\"low\":", (long long)count);
-    write_numbers(w->out, low, FFP_PAGE_COLUMNS);
+    write_numbers(w->out, low, columns);
     fputs(",\"high\":", w->out);
-    write_numbers(w->out, high, FFP_PAGE_COLUMNS);
+    write_numbers(w->out, high, columns);
     fputs(",\n", w->out);
 }
 
@@ -193,13 +221,18 @@ static void write_panel(FILE *out, const FfpPanel *p) {
         fputs(",\"gamma\":", out);
         write_numbers(out, p->gamma, 3);
     }
+    if (p->spread_reach > 0) {
+        fputs(",\"spread\":{\"share\":", out);
+        write_numbers(out, p->spread, 3);
+        fprintf(out, ",\"deviation\":%.9g}", (double)p->spread_reach);
+    }
     fputs("},\n", out);
 }
 
 char *ffp_page_scene(const FfpPageContent *source, FfpByteBuffer *packed, FfpPageCounts *stats,
                      FfpError *err) {
     FfpText *text = ffp_text_new();
-    Writer w = {source, packed, stats, ffp_text_stream(text), 0, 0};
+    Writer w = {.source = source, .packed = packed, .stats = stats, .out = ffp_text_stream(text)};
     const FfpCapture *capture = source->capture;
     fputs("{\"name\":", w.out);
     write_string(w.out, capture->name);

@@ -33,11 +33,13 @@ typedef struct FfpByteBuffer {
 } FfpByteBuffer;
 void ffp_bytes_append(FfpByteBuffer *packed, const void *bytes, size_t size);
 
-// splats.c: the splats as the page reads them. First the centres, float [count,3]; then FFP_PAGE_COLUMNS
-// columns of uint16 [count], scaled from low to high: logarithms of the scales, rotation w x y z, opacity,
-// albedo, roughness, ambient. `low` and `high` are the ranges of the columns. Splats too faint to be drawn
-// (opacity below 1/255) are left out; returns the number of the others.
-enum { FFP_PAGE_COLUMNS = 15 };
+// splats.c: the splats as the page reads them. First the centres, float [count,3]; then the columns (at most
+// FFP_PAGE_COLUMNS), uint16 [count], scaled from low to high: logarithms of the scales, rotation w x y z,
+// opacity, albedo, roughness, ambient and, where any light is scattered, scattered. `low` and `high` are the
+// ranges of the columns. Splats too faint to be drawn (opacity below 1/255) are left out; returns the number
+// of the others.
+enum { FFP_PAGE_COLUMNS = 18 };
+int ffp_page_columns(const FfpGaussians *gaussians);
 int64_t ffp_pack_splats(FfpByteBuffer *packed, const FfpGaussians *gaussians, float low[FFP_PAGE_COLUMNS],
                         float high[FFP_PAGE_COLUMNS]);
 

@@ -20,6 +20,10 @@ bool ffp_page_run(const FfpGaussians *gaussians, const FfpCapture *capture, cons
         ffp_note("the page has room for %d of %d patterns and %d of %d photographs", counts.patterns,
                  counts.patterns + counts.patterns_left, counts.photographs,
                  counts.photographs + counts.photographs_left);
-    if (stats) *stats = (FfpPageStats){gaussians->count, counts.bytes, counts.patterns, counts.photographs};
+    if (stats)
+        *stats = (FfpPageStats){.gaussians = gaussians->count,
+                                .bytes = counts.bytes,
+                                .patterns = counts.patterns,
+                                .photographs = counts.photographs};
     return true;
 }

@@ -77,6 +77,7 @@ static bool read_camera(const FfpRigCalibration *o, FfpCvDevice *camera, FfpErro
 // The attitudes' names are the folders'.
 static bool fit_rig(const FfpRigCalibration *o, FfpShotFolders *folders, FfpRigFit *fit, FfpError *err) {
     if (!ffp_shot_folders_find(folders, o->attitudes, o->n_attitudes, err)) return false;
+    fit->linear = o->linear;
     fit->fixed[0] = o->fix_camera;
     fit->fixed[1] = o->fix_projector;
     FfpCvDevice *panel = &fit->devices[1];

@@ -51,6 +51,21 @@ static void check_light(FfpFindings *found, const FfpLights *lights) {
          &(FfpFacts){.figure = reversed});
 }
 
+static void check_guesses(FfpFindings *found, const FfpCapture *capture, const FfpLights *lights) {
+    const double guessed = share(lights->all.guessed, lights->all.object);
+    int worst = 0;
+    double most = -1;
+    for (int v = 0; v < capture->n_views; v++) {
+        const double own = share(lights->views[v].guessed, lights->views[v].object);
+        if (own <= most) continue;
+        most = own;
+        worst = v;
+    }
+    if (guessed > ffp_rule(FFP_RULE_GUESSED)->limit)
+        ffp_found(found, FFP_RULE_GUESSED,
+                  &(FfpFacts){.view = capture->views[worst].id, .figure = guessed, .x = most});
+}
+
 // --- Against the rigs of training (world/synth/rig.c), as they look once the object's sphere has radius 1.
 // ---
 
@@ -136,12 +151,21 @@ static bool try_hypotheses(FfpFindings *found, const FfpCapture *capture, int ac
     return none;
 }
 
+// Views whose correspondences give depth, whatever patterns there are.
+static int count_coded(const FfpCapture *capture) {
+    int n = 0;
+    for (int v = 0; v < capture->n_views; v++) n += capture->views[v].correspondence.data != NULL;
+    return n;
+}
+
 static void check_pattern(FfpFindings *found, const FfpCapture *capture) {
     const int active = ffp_capture_active_pattern(capture, NULL, NULL);
     const FfpExplanation e = active >= 0 ? ffp_rig_explain(capture, active) : (FfpExplanation){0};
     char by[64];
     if (e.pixels == 0) {
-        ffp_found(found, FFP_RULE_NONE_LIT, &(FfpFacts){0});
+        const int coded = count_coded(capture);
+        ffp_found(found, coded == capture->n_views ? FFP_RULE_CODED : FFP_RULE_NONE_LIT,
+                  &(FfpFacts){.x = coded});
         return;
     }
     if (e.error < FFP_RIG_SHOWN && !ffp_rig_tells(capture, active)) {
@@ -246,6 +270,7 @@ void ffp_rig_checks(FfpFindings *found, const FfpCapture *capture, const FfpCame
              &(FfpFacts){.figure = lit});
         check_rig(found, capture, taken, &lights);
     }
+    check_guesses(found, capture, &lights);
     check_pattern(found, capture);
     if (!capture->scene) check_surfaces(found, capture);
     check_focus(found, capture);

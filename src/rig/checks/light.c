@@ -49,6 +49,18 @@ static bool can_be_lit(const FfpCapture *capture, const FfpView *view, size_t pi
     return false;
 }
 
+static double added_by_white(const FfpCapture *capture, const FfpView *view, size_t pixel) {
+    return (double)brightest(view->images[capture->white].data + 3 * pixel) -
+           (double)brightest(view->images[capture->black].data + 3 * pixel);
+}
+
+FfpTold ffp_rig_told(const FfpCapture *capture, const FfpView *view, size_t pixel, double least) {
+    const real *codes = view->correspondence.data;
+    if (codes && codes[3 * pixel + 2] > 0) return FFP_TOLD;
+    if (added_by_white(capture, view, pixel) <= least) return FFP_TOLD_UNLIT;
+    return codes ? FFP_TOLD_REFUSED : FFP_TOLD;
+}
+
 // Of lit pixels.
 typedef struct Lit {
     float *white, *share; // brightest channel under white; of it under black
@@ -82,7 +94,7 @@ static void look_at_view(void *argument, int64_t index) {
     const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
     FfpObjectLight out = {.bright = bright_of(view, capture->white)};
     Lit *lit = &looking->lit[index];
-    const double least = fmin(LIT, LIT_SHARE * (double)out.bright);
+    out.least = fmin(LIT, LIT_SHARE * (double)out.bright);
     for (size_t i = 0; i < pixels; i++) {
         const real *black = view->images[capture->black].data + 3 * i,
                    *white = view->images[capture->white].data + 3 * i;
@@ -95,7 +107,8 @@ static void look_at_view(void *argument, int64_t index) {
         out.brightened += added > LIT_IN_THE_MEAN;
         out.clipped += (double)ffp_srgb_encode((real)w) >= CLIPPED;
         out.reversed += w < b - LIT;
-        if (w - b <= least) continue;
+        out.guessed += ffp_rig_told(capture, view, i, out.least) != FFP_TOLD;
+        if (w - b <= out.least) continue;
         out.lit++;
         out.unreached += looking->reach && !can_be_lit(capture, view, i);
         if (w - b <= LIT) continue;
@@ -137,7 +150,7 @@ FfpLights ffp_rig_lights(const FfpCapture *capture, bool reach) {
         const FfpObjectLight *own = &out.views[v];
         out.all.object += own->object, out.all.lit += own->lit, out.all.brightened += own->brightened;
         out.all.clipped += own->clipped, out.all.reversed += own->reversed;
-        out.all.unreached += own->unreached;
+        out.all.unreached += own->unreached, out.all.guessed += own->guessed;
         out.all.black += own->black, out.all.added += own->added;
         out.all.bright = fmaxf(out.all.bright, own->bright);
     }

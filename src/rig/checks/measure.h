@@ -12,6 +12,8 @@ typedef struct FfpObjectLight {
     double clipped;      // at the limit under white,
     double reversed;     // darker under white than under black,
     double unreached;    // lit where no light of the projector can be
+    double guessed;      // of the object, that no pattern tells
+    double least;        // what white adds at least to a pixel that it lights, brightest channel
     double black, added; // sums over the object: under black, and what white adds
     float bright;        // under white, brightest channel: 95 % of the object's pixels are darker
 } FfpObjectLight;
@@ -23,6 +25,15 @@ typedef struct FfpLights {
 // `reach`: unreached is wanted, which takes longer.
 FfpLights ffp_rig_lights(const FfpCapture *capture, bool reach);
 void ffp_rig_lights_free(FfpLights *lights);
+// How the patterns of its own view tell a pixel's depth.
+typedef enum FfpTold {
+    FFP_TOLD,         // by its Gray codes' position or, in a view without them, because it is lit
+    FFP_TOLD_REFUSED, // not: lit, but its Gray codes give no position, as on mirrors
+    FFP_TOLD_UNLIT,   // not: the projector does not reach it
+    FFP_TOLD_KINDS
+} FfpTold;
+// `least` as in FfpObjectLight.
+FfpTold ffp_rig_told(const FfpCapture *capture, const FfpView *view, size_t pixel, double least);
 // Share of the lit pixels that are lit where no light of the projector can be.
 double ffp_rig_unreached(const FfpCapture *capture);
 // True if a view is darker under pattern a than under b in many of the object's pixels, and brighter in

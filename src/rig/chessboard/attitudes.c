@@ -10,6 +10,7 @@
 #include "rig/findings/tell.h"
 #include "rig/graycode/graycode.h"
 #include "rig/shots/tags.h"
+#include "rig/shots/taken.h"
 
 // Text without the path to the attitude's folder, whose name stays.
 static void shorten_paths(char *text, const char *file, const char *folder) {
@@ -23,7 +24,8 @@ static void shorten_paths(char *text, const char *file, const char *folder) {
 static bool as_problem(FfpAttitude *a, const FfpShotFolder *folder, FfpError *error, FfpError *err) {
     if (error->code == FFP_ERROR_FILE || error->code == FFP_ERROR_IO ||
         error->code == FFP_ERROR_UNSUPPORTED) {
-        for (int i = 0; i < folder->n_files; i++) shorten_paths(error->text, folder->files[i], folder->name);
+        for (int i = 0; i < folder->n_files; i++)
+            if (folder->files[i]) shorten_paths(error->text, folder->files[i], folder->name);
         ffp_attitude_leave_out(a, error);
         return true;
     }
@@ -54,6 +56,7 @@ static bool read_codes(const FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder
     const bool ok = ffp_gray_decode_view(&map, &report, &of_board, &error);
     ffp_image_free(&region);
     if (!ok) return as_problem(a, folder, &error, err);
+    ffp_gray_tell_light(&report, folder->name);
     a->clipped = report.clipped;
     memcpy(a->dropped, report.dropped, sizeof a->dropped);
     const bool done = ffp_board_project(&fit->board, &map, report.dropped, size, a, err);
@@ -74,8 +77,11 @@ static FfpImage take_white(FfpGrayCache *cache) {
 static bool read_attitude(FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *folder, FfpImage *seen,
                           FfpError *err) {
     FfpGrayCache cache = {.n = 0}; // each photograph is read once
-    FfpGrayPhotographs photographs = {
-        .width = fit->devices[1].width, .height = fit->devices[1].height, .cache = &cache};
+    FfpGrayPhotographs photographs = {.width = fit->devices[1].width,
+                                      .height = fit->devices[1].height,
+                                      .linear = fit->linear,
+                                      .others = folder->others,
+                                      .cache = &cache};
     FfpError error = {0};
     a->name = folder->name;
     if (a->problem[0]) return true;
@@ -83,8 +89,10 @@ static bool read_attitude(FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *f
         snprintf(a->problem, sizeof a->problem, "%s", folder->problem);
         return true;
     }
-    if (!ffp_gray_find_plain(&photographs, folder->files, folder->n_files, &error))
+    if (!ffp_gray_find_plain(&photographs, folder->files, folder->n_files, &error)) {
+        ffp_gray_cache_free(&cache);
         return as_problem(a, folder, &error, err);
+    }
     FfpImage white = take_white(&cache);
     settle_size(fit, a, &white);
     bool ok = a->problem[0] || ffp_board_find(&fit->board, &white, a, err);
@@ -109,13 +117,15 @@ static bool check_seen(const FfpRigFit *fit, const FfpImage *unseen, FfpError *e
     for (size_t i = 0; i < pixels; i++) clipped += (double)unseen->data[i] >= FFP_CLIPPED_LUMA;
     const double share = (double)clipped / (double)pixels;
     if (share > ffp_rule(FFP_RULE_PLAIN_CLIPPED)->limit)
-        return ffp_fail_by(FFP_RULE_PLAIN_CLIPPED, &(FfpFacts){.a = fit->attitudes[0].name, .figure = share},
-                           "white", err);
+        return ffp_refuse(FFP_RULE_PLAIN_CLIPPED, &(FfpFacts){.a = fit->attitudes[0].name, .figure = share},
+                          "white", err);
     return ffp_board_guess(&fit->board, unseen, guess, err) &&
-           ffp_fail(err, FFP_ERROR_FILE, NULL,
-                    "no chessboard with %d x %d inner corners in any of %d attitudes%s (count corners where "
-                    "four squares meet; all of the board must be in the picture, with a light margin)",
-                    fit->board.columns, fit->board.rows, fit->n, guess);
+           ffp_refuse(FFP_RULE_NO_BOARD,
+                      &(FfpFacts){.x = fit->board.columns,
+                                  .y = fit->board.rows,
+                                  .z = fit->n,
+                                  .a = guess[0] ? guess + 2 : "nor with a row or column more or less"},
+                      NULL, err);
 }
 
 // --- What most of the folders are like. ---
@@ -127,7 +137,7 @@ typedef struct Size {
 static Size size_of(const FfpShotFolder *folder) {
     Size size = {0};
     FfpError none = {0};
-    if (folder->n_files > 0) ffp_photograph_read_size(&size.width, &size.height, folder->files[0], &none);
+    if (folder->n_files > 0) ffp_shot_folder_size(folder, &size.width, &size.height, &none);
     return size;
 }
 
@@ -174,6 +184,7 @@ bool ffp_read_attitudes(FfpRigFit *fit, const FfpShotFolders *folders, FfpError 
     fit->attitudes = ffp_alloc((size_t)folders->n, sizeof *fit->attitudes);
     settle_camera(fit, folders);
     check_tags(fit, folders);
+    ffp_taken_compare(folders->folders, folders->n, true, NULL);
     for (int i = 0; ok && i < folders->n; i++) {
         ok = read_attitude(fit, &fit->attitudes[i], &folders->folders[i], &unseen, err);
         ffp_task_step(&task, i + 1, NULL);

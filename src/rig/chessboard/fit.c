@@ -39,8 +39,13 @@ int ffp_attitudes_used(const FfpRigFit *fit) {
 static bool too_few(const FfpRigFit *fit, FfpError *err) {
     char why[640];
     ffp_list_problems(fit, why, sizeof why);
-    ffp_fail(err, FFP_ERROR_FILE, NULL, "%d of %d attitudes of the board can be used, but %d are needed%s",
-             ffp_attitudes_used(fit), fit->n, FFP_FIT_ATTITUDES_LEAST, why);
+    ffp_refuse(FFP_RULE_TOO_FEW,
+               &(FfpFacts){.x = ffp_attitudes_used(fit),
+                           .y = fit->n,
+                           .z = FFP_FIT_ATTITUDES_LEAST,
+                           .a = "attitudes of the board can be used",
+                           .b = why[0] ? why + 2 : "none left out"},
+               NULL, err);
     for (int i = fit->n - 1; i >= 0; i--)
         if (fit->attitudes[i].finding && err)
             err->finding = fit->attitudes[i].finding; // the first that is one
@@ -102,11 +107,8 @@ static bool check_parallel(FfpRigFit *fit, FfpError *err) {
             widest = fmax(widest, acos(fmin(1, fabs(ffp_dot(normals[i], normals[k])))) * 180 / FFP_PI_DOUBLE);
     ffp_free(normals);
     return ok &&
-           (widest > PARALLEL ||
-            ffp_fail(err, FFP_ERROR_FILE, NULL,
-                     "the board is parallel in all attitudes (within %.1f degrees), which leaves the focal "
-                     "lengths undetermined: tilt it by 20 to 40 degrees, in a different direction each time",
-                     widest));
+           (widest > PARALLEL || ffp_refuse(FFP_RULE_BOARDS_PARALLEL,
+                                            &(FfpFacts){.figure = widest, .limit = PARALLEL}, NULL, err));
 }
 
 // --- What is out of line. ---
@@ -282,16 +284,14 @@ static bool check_focal(const FfpRigFit *fit, int which, FfpError *err) {
     const FfpFacts bent = {.figure = d->rms, .x = fit->devices[0].rms, .limit = BENT};
     const double open = fmax(d->deviation[0] / d->matrix[0], d->deviation[1] / d->matrix[4]);
     if (which == 1 && ffp_projector_bent(fit)) { // nor would more photographs help
-        if (!(open < FOCAL_OPEN)) return ffp_fail_by(FFP_RULE_PROJECTOR_FITS_BADLY, &bent, NULL, err);
+        if (!(open < FOCAL_OPEN)) return ffp_refuse(FFP_RULE_PROJECTOR_OPEN, &bent, NULL, err);
         ffp_tell(FFP_RULE_PROJECTOR_FITS_BADLY, &bent);
         return true;
     }
     if (!(open < FOCAL_OPEN))
-        return ffp_fail(
-            err, FFP_ERROR_FILE, NULL,
-            "the %s's focal length (%.0f pixels) is uncertain by %.0f %%: tilt the board more, by 20 "
-            "to 40 degrees, in a different direction each time",
-            device_names[which], d->matrix[0], 100 * open);
+        return ffp_refuse(FFP_RULE_FOCAL_OPEN,
+                          &(FfpFacts){.a = device_names[which], .figure = open, .limit = FOCAL_OPEN}, NULL,
+                          err);
     if (open > FOCAL_VAGUE)
         ffp_tell(FFP_RULE_FOCAL, &(FfpFacts){.a = device_names[which], .figure = open, .limit = FOCAL_VAGUE});
     return true;

@@ -10,6 +10,7 @@ typedef struct FfpRigFit {
     FfpBoard board;
     FfpAttitude *attitudes; // [n]; one with a problem is left out
     int n;
+    bool linear;            // photographs hold linear light
     unsigned fixed[2];      // of camera and projector: FFP_CV_FIX_...
     FfpCvDevice devices[2]; // camera, projector: sizes given, the rest found
     double r[9], t[3];      // X_projector = R X_camera + T

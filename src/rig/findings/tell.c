@@ -186,12 +186,21 @@ bool ffp_findings_tell(const FfpFindings *findings, const char *place, FfpError 
     return fail_with(fault, FFP_ERROR_FAULT, fault->view ? fault->view : place, err);
 }
 
-bool ffp_fail_by(FfpRuleId rule, const FfpFacts *facts, const char *where, FfpError *err) {
+static bool fail_by(FfpRuleId rule, const FfpFacts *facts, bool final, const char *where, FfpError *err) {
     FfpFindings found = {0};
     ffp_found(&found, rule, facts);
+    if (final) ffp_findings_pass(&found);
     fail_with(&found.items[0], FFP_ERROR_FILE, where, err);
     ffp_findings_free(&found);
     return false;
+}
+
+bool ffp_fail_by(FfpRuleId rule, const FfpFacts *facts, const char *where, FfpError *err) {
+    return fail_by(rule, facts, false, where, err);
+}
+
+bool ffp_refuse(FfpRuleId rule, const FfpFacts *facts, const char *where, FfpError *err) {
+    return fail_by(rule, facts, true, where, err);
 }
 
 void ffp_tell(FfpRuleId rule, const FfpFacts *facts) {

@@ -46,6 +46,8 @@ bool ffp_findings_tell(const FfpFindings *findings, const char *place, FfpError 
 
 // The error of a file by a rule's words: "TEXT: ADVICE (WHERE)". Returns false.
 bool ffp_fail_by(FfpRuleId rule, const FfpFacts *facts, const char *where, FfpError *err);
+// The same of photographs that end the call: the finding is passed on, too, before the error.
+bool ffp_refuse(FfpRuleId rule, const FfpFacts *facts, const char *where, FfpError *err);
 // One finding at once, a note or a doubt.
 void ffp_tell(FfpRuleId rule, const FfpFacts *facts);
 

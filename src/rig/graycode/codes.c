@@ -6,9 +6,10 @@
 #include "engine/match/coded.h"
 #include "engine/match/line.h"
 
-#define OFF_MAX 4.0     // pixels of the projector that a ray may pass a position by
-#define CENTRED 0.25    // camera pixels by which the mean of known positions may lie off what is asked for
-#define SPREAD 4        // times what neighbours differ by: more is two surfaces
+#define OFF_MAX 4.0  // pixels of the projector that a ray may pass a position by
+#define CENTRED 0.25 // camera pixels by which the mean of known positions may lie off what is asked for
+#define SPREAD 4     // times what neighbours differ by: more is two surfaces
+enum { SCENE_POINTS = 5000 };
 #define MISSED_MAX 0.05 // of the surface points that a sphere may leave out
 #define STRAY 0.005     // of the points that a sphere around them leaves out at each end
 #define MARGIN 1.05     // of its radius
@@ -202,4 +203,14 @@ bool ffp_codes_bounds(FfpCapture *capture) {
     }
     ffp_free(points), ffp_free(scratch);
     return move;
+}
+
+bool ffp_codes_scene_bounds(FfpCapture *capture) {
+    size_t count;
+    real *points = surface_points(capture, &count);
+    const size_t stride = count / SCENE_POINTS + 1, n = (count + stride - 1) / stride;
+    for (size_t i = 1; i < n; i++) memcpy(points + 3 * i, points + 3 * stride * i, 3 * sizeof *points);
+    if (n > 0) ffp_capture_bound_scene(capture, (real(*)[3])(void *)points, (int)n);
+    ffp_free(points);
+    return n > 0;
 }

@@ -26,5 +26,7 @@ FfpCodesFit ffp_codes_check(FfpView *view);
 // The object's sphere, where the one estimated from poses and masks misses part of the surfaces that the
 // codes tell of: around their middle, as far as they reach. True when it was moved.
 bool ffp_codes_bounds(FfpCapture *capture);
+// The bounds of a whole scene, and each view's range of depth, from the same surfaces; false: there are none.
+bool ffp_codes_scene_bounds(FfpCapture *capture);
 
 #endif

@@ -27,12 +27,15 @@ enum { LEVELS = 1024 };
 #define PAIR_SHARE 0.8   // of the pixels that must be right where two are each other's inverse
 #define PAIR_LOW 0.7     // what a pattern and its inverse add up to, in white
 #define PAIR_HIGH 1.4    // and against white
+#define PAIR_APART 1.25  // where one of a pair is the brighter, and where the other is: exposed differently
+#define FINE 3           // finest bits, whose stripes a projector that scales its picture dims
 
 void ffp_gray_cache_free(FfpGrayCache *cache) {
     for (int i = 0; i < cache->n; i++) {
         ffp_free(cache->files[i].grey);
         ffp_image_free(&cache->files[i].luma);
     }
+    ffp_free(cache->codes), ffp_free(cache->other);
     *cache = (FfpGrayCache){.n = 0};
 }
 
@@ -48,14 +51,15 @@ static float *take_from_cache(FfpGrayCache *cache, const char *path, int *width,
     return NULL;
 }
 
-static bool read_light(float **grey, int *width, int *height, const FfpGrayDecoder *d, const char *path,
-                       FfpError *err) {
+static bool read_light(float **grey, double colour[3], int *width, int *height, const FfpGrayDecoder *d,
+                       const char *path, FfpError *err) {
     *grey = take_from_cache(d->from->cache, path, width, height);
-    return *grey || ffp_gray_read(grey, NULL, width, height, path, d->from->linear, d->from->shrink, err);
+    return *grey ||
+           ffp_gray_read(grey, NULL, colour, width, height, path, d->from->linear, d->from->shrink, err);
 }
 
-bool ffp_gray_read(float **grey, FfpImage *luma, int *width, int *height, const char *path, bool linear,
-                   int shrink, FfpError *err) {
+bool ffp_gray_read(float **grey, FfpImage *luma, double colour[3], int *width, int *height, const char *path,
+                   bool linear, int shrink, FfpError *err) {
     FfpImage rgb = {0};
     int whole[2];
     if (!ffp_photograph_read_reduced(&rgb, NULL, whole, path, linear, shrink > 0 ? shrink : 1, true, NULL,
@@ -63,18 +67,24 @@ bool ffp_gray_read(float **grey, FfpImage *luma, int *width, int *height, const 
         return false;
     const size_t pixels = (size_t)rgb.width * (size_t)rgb.height;
     *width = rgb.width, *height = rgb.height;
-    *grey = ffp_alloc(pixels, sizeof(float));
-    for (size_t i = 0; i < pixels; i++)
-        (*grey)[i] = (float)(rgb.data[3 * i] + rgb.data[3 * i + 1] + rgb.data[3 * i + 2]) / 3;
+    *grey = ffp_take(pixels, sizeof(float));
+    double sums[3] = {0};
+    for (size_t i = 0; i < pixels; i++) {
+        const real *p = rgb.data + 3 * i;
+        (*grey)[i] = (float)(p[0] + p[1] + p[2]) / 3;
+        for (int c = 0; c < 3; c++) sums[c] += (double)p[c];
+    }
+    for (int c = 0; colour && c < 3; c++) colour[c] = sums[c] / (double)pixels;
     if (luma) *luma = ffp_photograph_luma(&rgb);
     ffp_image_free(&rgb);
     return true;
 }
 
 // One that must be of the others' size.
-static bool read_next(float **grey, const FfpGrayDecoder *d, const char *path, FfpError *err) {
+static bool read_next(float **grey, double colour[3], const FfpGrayDecoder *d, const char *path,
+                      FfpError *err) {
     int width, height;
-    if (!read_light(grey, &width, &height, d, path, err)) return false;
+    if (!read_light(grey, colour, &width, &height, d, path, err)) return false;
     return (width == d->width && height == d->height) ||
            ffp_fail(err, FFP_ERROR_FILE, path, "image is %d x %d, but the others are %d x %d", width, height,
                     d->width, d->height);
@@ -103,6 +113,7 @@ static bool tell_dark(const FfpGrayDecoder *d, FfpError *err) {
 // The least light that is more than noise: only noise makes white darker than black (the median of a normal
 // distribution's side lies at 0.67 deviations).
 static double least_light(const FfpGrayDecoder *d) {
+    if (d->from->noise > 0) return fmax(FFP_GRAY_LIT, NOISES * d->from->noise);
     real *darker = ffp_alloc(d->pixels + 1, sizeof *darker);
     size_t n = 0;
     for (size_t i = 0; i < d->pixels; i++)
@@ -123,12 +134,12 @@ static double typical_light(const FfpGrayDecoder *d, double least) {
 
 bool ffp_gray_find_light(FfpGrayDecoder *d, FfpError *err) {
     const FfpImage *region = d->from->region;
-    if (!read_light(&d->light, &d->width, &d->height, d, d->from->white, err)) return false;
+    if (!read_light(&d->light, NULL, &d->width, &d->height, d, d->from->white, err)) return false;
     if (region && (region->width != d->width || region->height != d->height))
         return ffp_fail(err, FFP_ERROR_FILE, d->from->white, "image is %d x %d, but was %d x %d before",
                         d->width, d->height, region->width, region->height);
     d->pixels = (size_t)d->width * (size_t)d->height;
-    if (!read_next(&d->black, d, d->from->black, err)) return false;
+    if (!read_next(&d->black, NULL, d, d->from->black, err)) return false;
     d->checked = ffp_alloc(d->pixels, 1);
     size_t clipped = 0, checked = 0;
     for (size_t i = 0; i < d->pixels; i++) {
@@ -156,7 +167,8 @@ bool ffp_gray_find_light(FfpGrayDecoder *d, FfpError *err) {
 
 typedef struct Pair {
     int axis, bit;
-    float *grey[2]; // [h,w] of the pattern and of its inverse
+    float *grey[2];       // [h,w] of the pattern and of its inverse
+    double colours[2][3]; // means of their channels
 } Pair;
 
 typedef struct PairReading {
@@ -170,7 +182,7 @@ static void read_half(void *argument, int64_t k) {
     PairReading *r = argument;
     r->ok[k] = true;
     if (!ffp_gray_has_photograph(r->d, r->pair->axis, r->pair->bit, (int)k)) return;
-    r->ok[k] = read_next(&r->pair->grey[k], r->d,
+    r->ok[k] = read_next(&r->pair->grey[k], r->pair->colours[k], r->d,
                          ffp_gray_photograph(r->d, r->pair->axis, r->pair->bit, (int)k), &r->errors[k]);
 }
 
@@ -197,13 +209,24 @@ static double sum_of(const FfpGrayDecoder *d, const Pair *pair, size_t pixel) {
     return (double)((pair->grey[0][pixel] + pair->grey[1][pixel] - 2 * d->black[pixel]) / d->light[pixel]);
 }
 
-// The middle of what a pair adds up to, in white, over the pixels where picture k is the brighter one; 0
-// where there are few.
-static double middle_sum(const FfpGrayDecoder *d, const Pair *pair, int k) {
+static double contrast_of(const FfpGrayDecoder *d, const Pair *pair, size_t pixel) {
+    return (double)(fabsf(pair->grey[0][pixel] - pair->grey[1][pixel]) / d->light[pixel]);
+}
+
+static int level_of(double value) {
+    const double level = value * LEVELS / 4;
+    if (!(level < LEVELS - 1)) return LEVELS - 1;
+    return level > 0 ? (int)level : 0;
+}
+
+// The middle of what a pair adds up to or differs by (`of`), in white, over the pixels where picture k is the
+// brighter one; 0 where there are few.
+static double middle(const FfpGrayDecoder *d, const Pair *pair, int k,
+                     double (*of)(const FfpGrayDecoder *, const Pair *, size_t)) {
     size_t histogram[LEVELS] = {0}, count = 0, below = 0;
     for (size_t i = 0; i < d->pixels; i++) {
         if (!d->checked[i] || pair->grey[k][i] <= pair->grey[1 - k][i]) continue;
-        histogram[(int)fmax(0, fmin(sum_of(d, pair, i) * LEVELS / 4, LEVELS - 1))]++, count++;
+        histogram[level_of(of(d, pair, i))]++, count++;
     }
     if (count < LIT_LEAST) return 0;
     int level = 0;
@@ -232,20 +255,39 @@ static bool check_inverse(const FfpGrayDecoder *d, const Pair *pair, FfpError *e
 
 // Where both were exposed as white and black were, a pattern and its inverse add up to white; less and less
 // so from bit to bit where stripes blur and values are not linear in light. `before`: of the coarser bit.
-static bool check_exposure(const FfpGrayDecoder *d, const Pair *pair, double *before, FfpError *err) {
-    double sum = 0;
-    for (int k = 0; k < 2; k++) {
-        const double here = middle_sum(d, pair, k);
-        if (here > PAIR_HIGH || (here > 0 && here < PAIR_LOW * *before))
-            return ffp_fail_by(
-                FFP_RULE_CODES_EXPOSURE,
-                &(FfpFacts){.a = ffp_basename(ffp_gray_photograph(d, pair->axis, pair->bit, 1 - k)),
-                            .b = here > 1 ? "brighter" : "darker",
-                            .x = here},
-                ffp_gray_photograph(d, pair->axis, pair->bit, k), err);
-        sum = fmax(sum, here);
+// Each pixel is decided by its pair alone, so that a pair may differ from white as a whole: fine stripes that
+// are dim are left out, and other light is reported. Only two of a pair that differ cannot be compared.
+static bool check_exposure(FfpGrayDecoder *d, const Pair *pair, double *before, FfpError *err) {
+    const double here[2] = {middle(d, pair, 0, sum_of), middle(d, pair, 1, sum_of)},
+                 contrast[2] = {middle(d, pair, 0, contrast_of), middle(d, pair, 1, contrast_of)},
+                 most = fmax(here[0], here[1]), least = fmin(here[0], here[1]),
+                 low = PAIR_LOW * fmin(1, *before);
+    const int finer = d->bits[pair->axis] - pair->bit;
+    const bool apart =
+        least > 0 && fmax(contrast[0], contrast[1]) > PAIR_APART * fmin(contrast[0], contrast[1]);
+    // Where a projector scales its picture, the two of the finest stripes may differ.
+    const bool scaled = apart && finer == 1 && most <= 1;
+    if (apart && !scaled && (most > PAIR_APART || least < fmin(1, *before) / PAIR_APART)) {
+        const int k = most > PAIR_APART ? here[1] > here[0] : here[1] < here[0];
+        return ffp_fail_by(
+            FFP_RULE_CODES_EXPOSURE,
+            &(FfpFacts){.a = ffp_basename(ffp_gray_photograph(d, pair->axis, pair->bit, 1 - k)),
+                        .b = here[k] > 1 ? "brighter" : "darker",
+                        .x = here[k]},
+            ffp_gray_photograph(d, pair->axis, pair->bit, k), err);
     }
-    if (sum > 0) *before = sum;
+    if (!(most > 0)) return true;
+    unsigned *const unlike = &d->report->unlike[pair->axis];
+    const bool coarser = pair->bit > 0 && (*unlike >> (pair->bit - 1) & 1U) && fabs(most - 1) > RIGHT;
+    if ((most < low || (scaled && least < low)) && finer <= FINE) {
+        d->report->dim[pair->axis] = finer;
+        d->report->dim_sum = (most + least) / 2;
+    } else if (most < low || most > PAIR_HIGH || coarser) {
+        *unlike |= 1U << pair->bit;
+        if (fabs(most - 1) > fabs(d->report->other_light - 1) || d->report->other_light == 0)
+            d->report->other_light = most;
+    }
+    *before = most;
     return true;
 }
 
@@ -266,7 +308,7 @@ typedef struct Search {
 // True if two photographs are each other's inverse; *edges: neighbouring pixels between which the brighter
 // one changes.
 static bool are_inverse(const FfpGrayDecoder *d, float *a, float *b, size_t *edges) {
-    const Pair pair = {0, 0, {a, b}};
+    const Pair pair = {.grey = {a, b}};
     size_t count = 0, right = 0;
     *edges = 0;
     for (size_t i = 0; i < d->pixels; i++) {
@@ -300,7 +342,7 @@ static void try_exchange(Search *s, const Pair *other, int k, int m) {
 // The pair k places after another, rows after columns; false: there is none that can be read.
 static bool read_pair_beside(const FfpGrayDecoder *d, const Pair *pair, int k, Pair *beside) {
     const int at = (pair->axis ? d->bits[0] : 0) + pair->bit + k, axis = at >= d->bits[0];
-    *beside = (Pair){axis, axis ? at - d->bits[0] : at, {NULL, NULL}};
+    *beside = (Pair){axis, axis ? at - d->bits[0] : at, {NULL, NULL}, {{0}}};
     return at >= 0 && at < d->bits[0] + d->bits[1] && read_pair(d, beside, NULL);
 }
 
@@ -334,7 +376,7 @@ static bool is_late(const FfpGrayDecoder *d, const Pair *broken, FfpError *err) 
 
 static void try_pair(Search *s, int axis, int bit) {
     const FfpGrayDecoder *d = s->d;
-    Pair other = {axis, bit, {NULL, NULL}};
+    Pair other = {.axis = axis, .bit = bit};
     const bool ok = read_pair(d, &other, NULL);
     for (int n = 0; ok && n < 4; n++) try_exchange(s, &other, n / 2, n % 2);
     free_pair(&other);
@@ -363,19 +405,42 @@ static void take_signal(FfpGrayDecoder *d, const Pair *pair) {
     uint8_t *signal = d->signal[pair->axis][pair->bit] = ffp_alloc(d->pixels, 1);
     for (size_t i = 0; i < d->pixels; i++) {
         if (!(d->light[i] > 0)) continue;
-        const float s = (pair->grey[0][i] - pair->grey[1][i]) / d->light[i];
-        signal[i] = (uint8_t)(FFP_GRAY_NONE + lrintf(127 * fmaxf(-1, fminf(s, 1))));
+        const float share = (pair->grey[0][i] - pair->grey[1][i]) / d->light[i], s = share < 1 ? share : 1;
+        signal[i] = (uint8_t)(FFP_GRAY_NONE + lrintf(127 * (s > -1 ? s : -1)));
+    }
+}
+
+typedef struct PairLooking {
+    FfpGrayDecoder *d;
+    const Pair *pair;
+    double *sum;
+    bool ok;
+    FfpError error;
+} PairLooking;
+
+// The pair's figures, and side by side with them its checks and its signal.
+static void look_at_pair(void *argument, int64_t k) {
+    PairLooking *l = argument;
+    const Pair *pair = l->pair;
+    if (k == 1) {
+        l->ok = check_inverse(l->d, pair, &l->error) && check_exposure(l->d, pair, l->sum, &l->error);
+        if (l->ok) take_signal(l->d, pair);
+    } else if (ffp_gray_has_photograph(l->d, pair->axis, pair->bit, 0) &&
+               ffp_gray_has_photograph(l->d, pair->axis, pair->bit, 1)) {
+        ffp_gray_see_pair(l->d, pair->axis, pair->bit, pair->grey, (const double(*)[3])pair->colours);
     }
 }
 
 static bool read_bit(FfpGrayDecoder *d, int axis, int bit, double *sum, FfpError *err) {
-    Pair pair = {axis, bit, {NULL, NULL}};
+    Pair pair = {.axis = axis, .bit = bit};
     bool ok = read_pair(d, &pair, err);
-    if (ok && !(check_inverse(d, &pair, err) && check_exposure(d, &pair, sum, err))) {
-        explain(d, &pair, err);
-        ok = false;
+    if (ok) {
+        PairLooking look = {.d = d, .pair = &pair, .sum = sum};
+        ffp_parallel_for(2, 0, look_at_pair, &look);
+        ok = look.ok;
+        if (!ok && err) *err = look.error;
+        if (!ok) explain(d, &pair, err);
     }
-    if (ok) take_signal(d, &pair);
     free_pair(&pair);
     ffp_cancel_point();
     return ok;
@@ -390,6 +455,10 @@ bool ffp_gray_read_signals(FfpGrayDecoder *d, FfpError *err) {
                 break;
             }
             if (!read_bit(d, axis, bit, &sum, err)) return false;
+            if (d->report->dim[axis] > 0) {
+                d->missing[axis] = d->report->dim[axis];
+                break;
+            }
         }
         if (d->missing[axis] == d->bits[axis])
             return ffp_fail(err, FFP_ERROR_FILE, d->from->white,

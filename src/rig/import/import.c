@@ -10,7 +10,7 @@
 // Refuses what would not fit the machine's memory before any of it is taken: the result, and one source.
 static bool check_memory(const FfpImporting *import, FfpError *err) {
     const FfpCapture *capture = &import->capture;
-    const int patterns = import->shots.n_patterns + (import->shots.codes ? import->settings->kept_codes : 0);
+    const int patterns = import->shots.n_patterns + ffp_importing_codes_looked_at(import);
     double values = 3.0 * capture->views[0].projector.width * capture->views[0].projector.height * patterns;
     for (int v = 0; v < capture->n_views; v++) {
         const FfpCamera *camera = &capture->views[v].camera;
@@ -25,9 +25,10 @@ static bool check_memory(const FfpImporting *import, FfpError *err) {
 static bool settle_object(FfpImporting *import, FfpError *err) {
     FfpCapture *capture = &import->capture;
     const double *object = import->settings->object;
-    ffp_capture_estimate_bounds(capture);
+    const bool codes = import->shots.codes != NULL;
+    if (!(codes && capture->scene && ffp_codes_scene_bounds(capture))) ffp_capture_estimate_bounds(capture);
     if (!(object[3] > 0)) {
-        if (import->shots.codes && !capture->scene) ffp_codes_bounds(capture);
+        if (codes && !capture->scene) ffp_codes_bounds(capture);
         return true;
     }
     for (int i = 0; i < 4; i++) {
@@ -62,7 +63,8 @@ static bool check_settings(const FfpImport *settings, FfpError *err) {
 
 bool ffp_importing_finish(const char *folder, void *context, FfpError *err) {
     return ffp_importing_keep_response(folder, context, err) &&
-           ffp_importing_write_sheet(folder, context, err) && ffp_importing_write_masks(folder, context, err);
+           ffp_importing_keep_size(folder, context, err) && ffp_importing_write_sheet(folder, context, err) &&
+           ffp_importing_write_masks(folder, context, err);
 }
 
 static bool find_axis(FfpImporting *import, FfpError *err) {
@@ -71,21 +73,28 @@ static bool find_axis(FfpImporting *import, FfpError *err) {
            ffp_turntable_find(turntable, &import->calibration, &import->capture, err);
 }
 
+static bool fit_object(FfpImporting *import) {
+    ffp_importing_fit_object(import);
+    return true;
+}
+
 static bool make_capture(FfpImporting *import, FfpError *err) {
     return check_settings(import->settings, err) && ffp_importing_check_scene(import, err) &&
            name_capture(import, err) && ffp_importing_read_rig(import, err) &&
            ffp_shots_find(&import->shots, import->settings, &import->calibration, err) &&
            ffp_importing_check_tags(import, err) && ffp_importing_settle_views(import, err) &&
-           check_memory(import, err) && ffp_importing_load_pixels(import, err) &&
+           fit_object(import) && check_memory(import, err) && ffp_importing_load_pixels(import, err) &&
            ffp_importing_load_stage(import, err) && ffp_importing_complete_masks(import, err) &&
            ffp_importing_load_codes(import, err) && find_axis(import, err) && settle_object(import, err) &&
-           ffp_importing_keep_codes(import, err) && ffp_importing_find_response(import, err);
+           ffp_importing_look_at_codes(import, err) && ffp_importing_find_response(import, err);
 }
 
 static bool run(FfpImporting *import, FfpError *err) {
     import->capture.scene = import->settings->scene;
     if (!make_capture(import, err)) return false;
-    ffp_importing_find_blur(import);
+    ffp_importing_tell_size(import);
+    if (!import->settings->other_projector) ffp_importing_find_softness(import);
+    ffp_importing_keep_codes(import);
     return ffp_capture_write_whole(&import->capture, import->settings->folder, ffp_importing_finish, import,
                                    err);
 }

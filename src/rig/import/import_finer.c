@@ -17,12 +17,12 @@ static FfpCamera finer_camera(const FfpCamera *camera) {
 }
 
 static bool read_view(FfpImporting *finer, int v, FfpError *err) {
-    FfpView *view = &finer->capture.views[v];
+    FfpImage *images = finer->capture.views[v].images;
     for (int p = 0; p < finer->capture.n_patterns; p++) {
         const char *path = finer->shots.pictures[v * FFP_PATTERNS_MAX + p];
-        if (path && !ffp_importing_read_picture(finer, path, v, &view->images[p], NULL, err)) return false;
+        if (path && !ffp_importing_read_picture(finer, path, v, &images[p], NULL, err)) return false;
     }
-    return true;
+    return ffp_importing_make_plain(finer, v, &images[finer->shots.black], &images[finer->shots.white], err);
 }
 
 static FfpImage means_of(const FfpImage *finer) {

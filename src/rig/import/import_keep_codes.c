@@ -55,9 +55,9 @@ static bool add_code(FfpImporting *import, int index) {
     return true;
 }
 
-// Numbers of the chosen codes, [settings->kept_codes]: of columns and rows in turn, from the finest that the
-// capture's pixels resolve to coarser ones; every other one of an axis as its inverse, so that no part of the
-// panel is dark in all of them. Returns how many there are.
+// Numbers of the chosen codes, [ffp_importing_codes_looked_at], those to be held out last: of columns and
+// rows in turn, from the finest that the capture's pixels resolve to coarser ones; every other one of an axis
+// as its inverse, so that no part of the panel is dark in all of them. Returns how many there are.
 static int choose(FfpImporting *import, int *chosen) {
     const int size[2] = {import->coded.width, import->coded.height};
     const int bits[2] = {ffp_gray_code_bits(size[0]), ffp_gray_code_bits(size[1])};
@@ -67,8 +67,13 @@ static int choose(FfpImporting *import, int *chosen) {
         while (bit[axis] > 0 && ldexp(1, bits[axis] - bit[axis]) < WIDTH_LEAST * import->code_step)
             bit[axis]--;
     }
-    for (int axis = 0; n < import->settings->kept_codes && (bit[0] >= 0 || bit[1] >= 0); axis = 1 - axis) {
+    for (int axis = 0; n < ffp_importing_codes_looked_at(import) && (bit[0] >= 0 || bit[1] >= 0);
+         axis = 1 - axis) {
         while (bit[axis] >= 0) {
+            if (import->unlike[axis] >> bit[axis] & 1U) {
+                bit[axis]--;
+                continue;
+            }
             const int pair = (axis ? bits[0] : 0) + bit[axis]--, wanted = 2 * pair + taken[axis] % 2,
                       index = import->shots.codes[wanted] ? wanted : wanted ^ 1;
             if (!add_code(import, index)) continue;
@@ -83,8 +88,8 @@ static int choose(FfpImporting *import, int *chosen) {
 static bool load_view(FfpImporting *import, int stop, const int *chosen, int n, FfpError *err) {
     FfpView *view = &import->capture.views[stop];
     const int first = ffp_patterns_shown(&import->capture);
-    FfpImage alphas[FFP_CODES_MOST] = {0};
-    const char *paths[FFP_CODES_MOST] = {NULL};
+    FfpImage *alphas = ffp_alloc((size_t)n, sizeof *alphas);
+    const char **paths = ffp_alloc((size_t)n, sizeof *paths);
     for (int k = 0; k < n; k++)
         paths[k] = import->shots.codes[(ptrdiff_t)stop * import->shots.n_codes + chosen[k]];
     const bool ok = ffp_importing_read_pictures(import, paths, n, stop, view->images + first, alphas, err);
@@ -92,22 +97,65 @@ static bool load_view(FfpImporting *import, int stop, const int *chosen, int n, 
         if (ok && paths[k] && !alphas[k].data) ffp_mask_apply(&view->coverage, &view->images[first + k]);
         ffp_image_free(&alphas[k]);
     }
+    ffp_free(alphas);
+    ffp_free(paths);
     return ok;
 }
 
-bool ffp_importing_keep_codes(FfpImporting *import, FfpError *err) {
+// The last n of k elements of this size, moved to index `to`.
+static void bring_forward(void *array, size_t size, int to, int k, int n) {
+    char *base = array, *moved = ffp_alloc((size_t)n, size);
+    memcpy(moved, base + (size_t)(k - n) * size, (size_t)n * size);
+    memmove(base + (size_t)(to + n) * size, base + (size_t)to * size, (size_t)(k - n - to) * size);
+    memcpy(base + (size_t)to * size, moved, (size_t)n * size);
+    ffp_free(moved);
+}
+
+static void drop_last_code(FfpCapture *capture) {
+    const int last = capture->n_patterns - 1;
+    for (int v = 0; v < capture->n_views; v++) ffp_image_free(&capture->views[v].images[last]);
+    ffp_image_free(&capture->patterns[last].image);
+    capture->n_patterns--, capture->n_codes--;
+}
+
+// The last codes become patterns that are held out, if fits have as many as they are to have without them.
+// Otherwise no more are looked at than without any held out.
+static void hold_out(FfpImporting *import) {
+    FfpCapture *capture = &import->capture;
+    const int n = ffp_importing_codes_held_out(import), all = capture->n_patterns,
+              to = ffp_patterns_shown(capture);
+    if (n == 0) return;
+    if (capture->n_codes - n < import->settings->kept_codes) {
+        while (capture->n_codes > ffp_importing_codes_looked_at(import) - n) drop_last_code(capture);
+        return;
+    }
+    bring_forward(capture->patterns, sizeof *capture->patterns, to, all, n);
+    for (int v = 0; v < capture->n_views; v++)
+        bring_forward(capture->views[v].images, sizeof(FfpImage), to, all, n);
+    capture->n_codes -= n;
+    ffp_note("%s and %s are held out: no fit sees their photographs, by which it is judged",
+             capture->patterns[to].name, capture->patterns[to + 1].name);
+}
+
+bool ffp_importing_look_at_codes(FfpImporting *import, FfpError *err) {
     FfpCapture *capture = &import->capture;
     const bool cut = import->settings->projector.fit == FFP_FIT_CROPPED; // codes are of the whole panel
-    if (!import->shots.codes || cut || import->settings->kept_codes == 0) return true;
-    int *chosen = ffp_alloc((size_t)import->settings->kept_codes, sizeof *chosen);
+    if (!import->shots.codes || cut) return true;
+    int *chosen = ffp_alloc((size_t)ffp_importing_codes_looked_at(import), sizeof *chosen);
     const int n = choose(import, chosen);
     bool ok = true;
     for (int v = 0; v < capture->n_views && ok; v++)
         if (capture->views[v].correspondence.data) ok = load_view(import, v, chosen, n, err);
     ffp_free(chosen);
-    if (ok && n > 0)
-        ffp_note("photographs of %d Gray codes, from %s to %s, are kept for fits", n,
+    if (ok) hold_out(import);
+    return ok;
+}
+
+void ffp_importing_keep_codes(FfpImporting *import) {
+    FfpCapture *capture = &import->capture;
+    while (capture->n_codes > import->settings->kept_codes) drop_last_code(capture);
+    if (capture->n_codes > 0)
+        ffp_note("photographs of %d Gray codes, from %s to %s, are kept for fits", capture->n_codes,
                  capture->patterns[ffp_patterns_shown(capture)].name,
                  capture->patterns[capture->n_patterns - 1].name);
-    return ok;
 }

@@ -41,7 +41,9 @@ static bool tell_late(const FfpImporting *import, int stop, FfpError *err) {
         if (mean > most) most = mean, lightest = p;
         shown++;
     }
-    if (lightest == shots->white || lightest == shots->black || !(most > LATE_TIMES * next)) return false;
+    if (!files[shots->black] || !files[shots->white] || lightest == shots->white ||
+        lightest == shots->black || !(most > LATE_TIMES * next))
+        return false;
     const char *white = files[shots->white];
     const bool late = shown >= 4;
     return ffp_fail_by(late ? FFP_RULE_ONE_LATE : FFP_RULE_WHITE_IS_BLACK,
@@ -75,8 +77,7 @@ bool ffp_importing_cover(FfpImporting *import, int stop, const FfpImage *alphas,
     const bool by_alpha = !shots->masks && !shots->empty && import->settings->masks == FFP_MASKS_FROM_ALPHA &&
                           alphas[shots->white].data != NULL;
     if (is_swapped(shots, view->images))
-        return ffp_fail_by(FFP_RULE_PLAIN_SWAPPED, &(FfpFacts){0},
-                           shots->pictures[stop * FFP_PATTERNS_MAX + shots->white], err);
+        return ffp_fail_by(FFP_RULE_PLAIN_SWAPPED, &(FfpFacts){0}, ffp_shots_white(shots, stop), err);
     if (shots->empty) {
         view->coverage = ffp_image_new(view->camera.width, view->camera.height, 1);
         import->made[stop] = true; // when all views are known
@@ -85,7 +86,7 @@ bool ffp_importing_cover(FfpImporting *import, int stop, const FfpImage *alphas,
     } else if (by_alpha) {
         view->coverage = ffp_image_copy(&alphas[shots->white]);
     } else {
-        const char *path = shots->pictures[stop * FFP_PATTERNS_MAX + shots->white];
+        const char *path = ffp_shots_white(shots, stop);
         if (!ffp_mask_otsu(&view->coverage, &import->holes[stop], &view->images[shots->black],
                            &view->images[shots->white], path, err)) {
             return tell_late(import, stop, err);
@@ -114,7 +115,7 @@ static bool turns(const FfpImporting *import) {
 bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err) {
     const int n = import->capture.n_views;
     const char **paths = ffp_alloc((size_t)n, sizeof *paths);
-    for (int v = 0; v < n; v++) paths[v] = import->shots.pictures[v * FFP_PATTERNS_MAX + import->shots.white];
+    for (int v = 0; v < n; v++) paths[v] = ffp_shots_white(&import->shots, v);
     const FfpMasking masking = {.capture = &import->capture,
                                 .made = import->made,
                                 .holes = import->holes,

@@ -47,9 +47,11 @@ static bool load_view(FfpImporting *import, int stop, FfpError *err) {
     const int n = import->shots.n_patterns;
     FfpView *view = &import->capture.views[stop];
     FfpImage *alphas = ffp_alloc((size_t)n, sizeof *alphas);
-    view->images = ffp_alloc((size_t)n + (size_t)import->settings->kept_codes, sizeof *view->images);
+    view->images = ffp_alloc((size_t)n + (size_t)ffp_importing_codes_looked_at(import), sizeof *view->images);
     bool ok = ffp_importing_read_pictures(import, import->shots.pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX,
-                                          n, stop, view->images, alphas, err);
+                                          n, stop, view->images, alphas, err) &&
+              ffp_importing_make_plain(import, stop, &view->images[import->shots.black],
+                                       &view->images[import->shots.white], err);
     if (ok) import->thumbs[stop] = ffp_contact_thumb(&view->images[import->shots.white]);
     if (ok && import->settings->scene)
         ffp_importing_cover_scene(import, stop);
@@ -106,7 +108,7 @@ bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err) {
     import->holes = ffp_alloc((size_t)capture->n_views, sizeof *import->holes);
     import->thumbs = ffp_alloc((size_t)capture->n_views, sizeof *import->thumbs);
     capture->n_patterns = import->shots.n_patterns;
-    capture->patterns = ffp_alloc((size_t)capture->n_patterns + (size_t)import->settings->kept_codes,
+    capture->patterns = ffp_alloc((size_t)capture->n_patterns + (size_t)ffp_importing_codes_looked_at(import),
                                   sizeof *capture->patterns);
     capture->black = import->shots.black, capture->white = import->shots.white;
     for (int p = 0; p < capture->n_patterns; p++) {

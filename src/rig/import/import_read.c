@@ -3,6 +3,7 @@
 #include <tgmath.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
+#include "rig/graycode/graycode.h"
 #include "rig/import/import_steps.h"
 
 #define SAMPLES_LEFT 4 // a side of the capture's pixels, from which on a photograph may be reduced before
@@ -14,14 +15,14 @@ static void expose(FfpImporting *import, FfpImage *image) {
     const real factor = (real)exp2(import->settings->exposure);
     const ptrdiff_t count = (ptrdiff_t)image->width * image->height * 3;
     int64_t too_bright = 0;
-    double brightest = 0;
+    real brightest = 0;
     for (ptrdiff_t i = 0; i < count; i++) {
-        brightest = fmax(brightest, (double)image->data[i]);
+        brightest = image->data[i] > brightest ? image->data[i] : brightest;
         image->data[i] *= factor;
         too_bright += image->data[i] > 1.002F;
     }
     pthread_mutex_lock(&counting);
-    import->brightest = fmax(import->brightest, brightest);
+    import->brightest = fmax(import->brightest, (double)brightest);
     import->too_bright += too_bright;
     import->values += count;
     pthread_mutex_unlock(&counting);
@@ -46,12 +47,21 @@ static bool tells_shape(const FfpImage *alpha) {
     return false;
 }
 
+// By what a view's photographs are reduced before, and their optics then.
+static int shrink_for(const FfpImporting *import, int stop, FfpOptics *reduced) {
+    const FfpOptics *optics = &import->calibration.stops[stop].camera;
+    const FfpCamera *camera = &import->capture.views[stop].camera;
+    const int shrink = ffp_optics_shrink_by(optics, optics->fx / (double)camera->fx / SAMPLES_LEFT);
+    *reduced = ffp_optics_shrunk(optics, shrink);
+    return shrink;
+}
+
 bool ffp_importing_read_picture(FfpImporting *import, const char *path, int stop, FfpImage *picture,
                                 FfpImage *alpha, FfpError *err) {
     const FfpOptics *optics = &import->calibration.stops[stop].camera;
     const FfpCamera *camera = &import->capture.views[stop].camera;
-    const int shrink = ffp_optics_shrink_by(optics, optics->fx / (double)camera->fx / SAMPLES_LEFT);
-    const FfpOptics reduced = ffp_optics_shrunk(optics, shrink);
+    FfpOptics reduced;
+    const int shrink = shrink_for(import, stop, &reduced);
     FfpImage raw = {0}, raw_alpha = {0};
     FfpDeveloped developed = {0};
     int whole[2];
@@ -99,4 +109,29 @@ bool ffp_importing_read_pictures(FfpImporting *import, const char *const *paths,
     }
     ffp_free(errors), ffp_free(ok);
     return all;
+}
+
+bool ffp_importing_make_plain(FfpImporting *import, int stop, FfpImage *black, FfpImage *white,
+                              FfpError *err) {
+    const FfpShots *shots = &import->shots;
+    const FfpCamera *camera = &import->capture.views[stop].camera;
+    FfpOptics reduced;
+    FfpImage made[2], *const plain[2] = {black, white};
+    if ((black->data && white->data) || !shots->codes) return true;
+    const FfpGrayPhotographs from = {.width = import->coded.width,
+                                     .height = import->coded.height,
+                                     .codes = shots->codes + (ptrdiff_t)stop * shots->n_codes,
+                                     .shrink = shrink_for(import, stop, &reduced),
+                                     .linear = import->settings->linear_images};
+    if (!ffp_gray_make_pictures(made, &from, err)) return false;
+    const bool ok =
+        ffp_importing_has_size(ffp_shots_white(shots, stop), made[0].width, made[0].height, &reduced, err);
+    for (int k = 0; k < 2; k++) {
+        if (ok && !plain[k]->data) {
+            expose(import, &made[k]);
+            *plain[k] = ffp_optics_rectify(&reduced, camera, &made[k]);
+        }
+        ffp_image_free(&made[k]);
+    }
+    return ok;
 }

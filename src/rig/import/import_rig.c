@@ -1,5 +1,6 @@
 // Import: optics and poses of the views that are asked for.
 #include <string.h>
+#include "core/numerics/resection.h"
 #include "rig/import/import_steps.h"
 
 static void drop_left_out(FfpCalibration *calibration) {
@@ -42,13 +43,32 @@ static bool keep_chosen_stops(FfpImporting *import, FfpError *err) {
     return true;
 }
 
+// A projector that the calibration does not describe, in the middle of what is usual; its poses are those of
+// the one that it describes.
+static bool take_other_projector(const FfpImport *settings, FfpCalibration *calibration, FfpError *err) {
+    const int width = settings->projector.width, height = settings->projector.height;
+    if (!settings->other_projector) return true;
+    if (width <= 0 || height <= 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "projector.width",
+                        "another projector requires its panel's size");
+    calibration->projector = (FfpOptics){.width = width,
+                                         .height = height,
+                                         .fx = FFP_USUAL_FOCAL * width,
+                                         .fy = FFP_USUAL_FOCAL * width,
+                                         .cx = 0.5 * width,
+                                         .cy = 0.5 * height};
+    return true;
+}
+
 bool ffp_importing_read_rig(FfpImporting *import, FfpError *err) {
     const FfpImport *settings = import->settings;
     FfpCalibration *calibration = &import->calibration;
     const char *projector = settings->projector_image ? settings->projector_image : "calib";
     if (settings->n_views > FFP_VIEWS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "views", "more than %d views", FFP_VIEWS_MAX);
-    if (!ffp_calibration_read(calibration, settings->calibrations, settings->n_calibrations, projector, err))
+    if (!ffp_calibration_read(calibration, settings->calibrations, settings->n_calibrations, projector,
+                              err) ||
+        !take_other_projector(settings, calibration, err))
         return false;
     if (!ffp_turntable_settle(&settings->turntable, calibration, err)) return false;
     return keep_chosen_stops(import, err);

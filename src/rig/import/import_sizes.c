@@ -51,7 +51,7 @@ static bool settle_projector(FfpImporting *import, FfpCamera *pinhole, FfpError 
 static bool settle_camera(FfpImporting *import, int stop, FfpError *err) {
     FfpOptics *optics = &import->calibration.stops[stop].camera;
     const FfpCalibratedAt *at = &import->settings->camera;
-    const char *path = import->shots.pictures[stop * FFP_PATTERNS_MAX + import->shots.white];
+    const char *path = ffp_shots_white(&import->shots, stop);
     int width = 0, height = 0;
     if (!ffp_photograph_read_size(&width, &height, path, err)) return false;
     if (import->calibration.n_pictures > 0 && optics->width == 0 && at->width == 0)

@@ -21,9 +21,10 @@ typedef struct FfpImporting {
     FfpShots shots;             // ffp_shots_find: files; settle_views those of Gray codes
     FfpCapture capture;
     double
-        code_step;   // load_codes: panel pixels between neighbouring pixels of the capture, most of all views
-    bool *made;      // load_pixels: [views] masks made by Otsu's method
-    FfpImage *holes; // load_pixels: [views] and what was filled of them
+        code_step; // load_codes: panel pixels between neighbouring pixels of the capture, most of all views
+    unsigned unlike[2]; // load_codes: bits of columns and rows that some view saw under other light, or dim
+    bool *made;         // load_pixels: [views] masks made by Otsu's method
+    FfpImage *holes;    // load_pixels: [views] and what was filled of them
     FfpEmptyStage *stages;  // load_pixels: [views] the empty stage, where it was photographed; NULL: was not
     FfpImage *thumbs;       // load_pixels: [views] small photographs under white, not masked
     int64_t values;         // load_pixels: of the photographs
@@ -32,18 +33,21 @@ typedef struct FfpImporting {
     FfpDeveloped developed; // load_pixels: photographs and films by other programs
     FfpResponse response;   // find_response, where it is asked for
     bool has_response;      // and kept
+    const char *limit;      // fit_object: why the pictures are smaller than the photographs; ""
+    int pixels[2];          // tell_size: of the object's longer side, in the capture and in the photographs
 } FfpImporting;
 
 // 1. The calibration; its stops are the views that are asked for, in their order, with poses wherever the
 // axis is known.
 bool ffp_importing_read_rig(FfpImporting *import, FfpError *err);
 // 2. (ffp_shots_find: which file is which picture.)
-// Orientation tags that differ within a rig are refused.
+// Orientation tags that differ within a rig are refused, and cameras that do are told.
 bool ffp_importing_check_tags(FfpImporting *import, FfpError *err);
 // 3. The optics' sizes; of the capture: views with ids, cameras and projectors, and the panel. Which files
 // are Gray codes.
 bool ffp_importing_settle_views(FfpImporting *import, FfpError *err);
-// 4. (check_memory)
+// 4. Cameras of a size that fits the object, where the settings have no width. (check_memory)
+void ffp_importing_fit_object(FfpImporting *import);
 // 5. Of the capture: patterns, black and white; the views' images and coverage.
 bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err);
 // 6. The views' correspondence, where there are Gray codes. Needs coverage.
@@ -52,19 +56,33 @@ bool ffp_importing_load_codes(FfpImporting *import, FfpError *err);
 // and coverage.)
 // 8. (settle_object: centre and radius. Needs poses, coverage and correspondence.)
 // 9. Of the capture: Gray codes as further patterns, where photographs of them were decoded, and the views'
-// images under them.
-bool ffp_importing_keep_codes(FfpImporting *import, FfpError *err);
+// images under them; more than are to be kept, and some held out, as patterns like others.
+bool ffp_importing_look_at_codes(FfpImporting *import, FfpError *err);
 // 10. Of the capture: the panel's response, the patterns' light, the intensity. Needs all before.
 bool ffp_importing_find_response(FfpImporting *import, FfpError *err);
-// 11. Of the capture: the blur of its projector, if the patterns' edges tell it, and the patterns filtered by
-// it. Needs the response.
-void ffp_importing_find_blur(FfpImporting *import);
-// 12. While the capture is written (ffp_capture_write_whole), `context` being the import: the response into
+// Part of 10: the response by photographs of greys, and their errors as ffp_fit_greys gives them; *enough is
+// false, and there is none, where too few pixels are lit.
+bool ffp_importing_has_greys(const FfpImporting *import);
+bool ffp_importing_fit_greys(FfpImporting *import, bool *enough, double errors[2], FfpError *err);
+// 11. Of the capture: the blur of its projector, if the patterns' edges tell it, and the spread of its light,
+// if several patterns do; and the patterns filtered by both. Needs the response.
+void ffp_importing_find_softness(FfpImporting *import);
+// 12. Drops the Gray codes that are not to be kept.
+void ffp_importing_keep_codes(FfpImporting *import);
+// 13. While the capture is written (ffp_capture_write_whole), `context` being the import: the response into
 // its JSON, the masks' contact sheet, and the masks that were made.
 bool ffp_importing_finish(const char *folder, void *context, FfpError *err);
 bool ffp_importing_keep_response(const char *folder, const FfpImporting *import, FfpError *err);
 
-// Parts of steps. The light of the panel's Gray code with this number, [h,w,3] (5, 9).
+// Parts of steps. Says how large the object is in the capture (needs coverage), and keeps it in its JSON
+// (13).
+void ffp_importing_tell_size(FfpImporting *import);
+bool ffp_importing_keep_size(const char *folder, const FfpImporting *import, FfpError *err);
+// How many Gray codes are looked at; 0: there are none. And how many of them are held out, in captures that
+// hold nothing else out.
+int ffp_importing_codes_looked_at(const FfpImporting *import);
+int ffp_importing_codes_held_out(const FfpImporting *import);
+// The light of the panel's Gray code with this number, [h,w,3] (5, 9).
 FfpImage ffp_importing_code_pattern(const FfpOptics *panel, int index);
 // Checks that a picture has the size of the optics; check_size: of the picture in a file (5).
 bool ffp_importing_has_size(const char *path, int width, int height, const FfpOptics *optics, FfpError *err);
@@ -92,6 +110,9 @@ bool ffp_importing_read_picture(FfpImporting *import, const char *path, int stop
 // The same of n photographs side by side; no path: no picture. alphas: [n].
 bool ffp_importing_read_pictures(FfpImporting *import, const char *const *paths, int n, int stop,
                                  FfpImage *pictures, FfpImage *alphas, FfpError *err);
+// Black and white that nobody photographed, where they are not among the pictures, made from the codes.
+bool ffp_importing_make_plain(FfpImporting *import, int stop, FfpImage *black, FfpImage *white,
+                              FfpError *err);
 // The empty stage, where there are photographs of it; and its memory (5).
 bool ffp_importing_load_stage(FfpImporting *import, FfpError *err);
 void ffp_importing_free_stage(FfpImporting *import);

@@ -6,6 +6,7 @@
 #define GAP 4
 #define BRIGHT 0.9F // encoded: what the brightest of an object gets
 #define DIM 0.35F   // of what is not the object
+#define TINT 0.5F   // share of a tint's colour
 
 FfpImage ffp_contact_thumb(const FfpImage *photograph) {
     const int width = photograph->width < WIDTH_MOST ? photograph->width : WIDTH_MOST;
@@ -49,6 +50,17 @@ static void put_view(FfpImage *sheet, const FfpImage *thumb, const FfpImage *cov
 FfpImage ffp_contact_picture(const FfpImage *thumb, const FfpImage *coverage) {
     FfpImage out = ffp_image_new(thumb->width, thumb->height, 3);
     put_view(&out, thumb, coverage, 0, 0);
+    return out;
+}
+
+FfpImage ffp_contact_tinted(const FfpImage *thumb, const FfpImage *tint) {
+    FfpImage out = ffp_image_resize(tint, thumb->width, thumb->height);
+    const real gain = 1 / brightest_of(thumb);
+    for (ptrdiff_t i = 0; i < (ptrdiff_t)thumb->width * thumb->height; i++) {
+        const real *p = thumb->data + 3 * i, mean = (p[0] + p[1] + p[2]) / 3;
+        const real grey = BRIGHT * ffp_srgb_encode(fmin(gain * mean, 1));
+        for (int c = 0; c < 3; c++) out.data[3 * i + c] = (1 - TINT) * grey + TINT * out.data[3 * i + c];
+    }
     return out;
 }
 

@@ -42,6 +42,8 @@ void ffp_dark_soften(const FfpCapture *capture, FfpView *view);
 FfpImage ffp_contact_thumb(const FfpImage *photograph);
 // One view, encoded for a PNG: what is not the object is dark and blue, and a red line goes round it.
 FfpImage ffp_contact_picture(const FfpImage *thumb, const FfpImage *coverage);
+// One view in grey, tinted in encoded colours [h,w,3] of the photograph's size; black darkens.
+FfpImage ffp_contact_tinted(const FfpImage *thumb, const FfpImage *tint);
 // thumbs [n_views], in rows and in the views' order.
 FfpImage ffp_contact_sheet(const FfpCapture *capture, const FfpImage *thumbs);
 

@@ -259,10 +259,9 @@ static bool distribute(FfpCalibration *calibration, const Colmap *colmap, const 
     for (int i = 0; i < colmap->n_images; i++)
         projectors += is_projector(colmap->images[i].name, projector_image);
     if (projectors != 1) {
-        return ffp_fail(err, FFP_ERROR_FILE, path,
-                        "%d images are called '%.60s': the projector must be one of COLMAP's images "
-                        "(projector_image)",
-                        projectors, projector_image);
+        return ffp_fail(err, FFP_ERROR_FILE, "projector_image",
+                        "%s: %d images are called '%.60s': the projector must be one of COLMAP's images",
+                        path, projectors, projector_image);
     }
     if (!ffp_calibration_new_stops(calibration, &file, colmap->n_images - 1, err)) return false;
     for (int i = 0; i < colmap->n_images; i++) {

@@ -1,6 +1,8 @@
 #include "rig/optics/lens.h"
 #include <math.h>
+#include <omp.h>
 #include <string.h>
+#include "core/base/alloc.h"
 #include "core/base/real.h"
 
 #define ASPECT_TOLERANCE 0.005 // of a rescaled picture: sides are whole pixels
@@ -52,10 +54,11 @@ bool ffp_optics_settle(FfpOptics *optics, const FfpCalibratedAt *at, int width, 
     } else if (at->fit == FFP_FIT_CROPPED) {
         if (!settle_cropped(optics, at, width, height, what, path, err)) return false;
     } else if (width != optics->width || height != optics->height) {
-        return ffp_fail(err, FFP_ERROR_FILE, path,
-                        "%d x %d pixels, but the %s was calibrated at %d x %d: if pictures were scaled "
-                        "or cropped since, say so (%s.fit)",
-                        width, height, what, optics->width, optics->height, what);
+        snprintf(setting, sizeof setting, "%s.fit", what);
+        return ffp_fail(err, FFP_ERROR_FILE, setting,
+                        "%s: %d x %d pixels, but the %s was calibrated at %d x %d: if pictures were scaled "
+                        "or cropped since, say so",
+                        path, width, height, what, optics->width, optics->height);
     }
     optics->width = width, optics->height = height;
     return true;
@@ -117,18 +120,34 @@ static int samples_across(double old_focal, double new_focal) {
     return span < 1 ? 1 : span > SAMPLES_MAX ? SAMPLES_MAX : (int)span;
 }
 
-// Adds the old picture's value where the pinhole's (u, v) lies in it.
-static void add_sample(const FfpOptics *optics, const FfpCamera *pinhole, const FfpImage *image, double u,
-                       double v, double *sum) {
-    const double x = (u - (double)pinhole->cx) / (double)pinhole->fx;
+// Inputs of a row of the pinhole.
+typedef struct RowScratch {
+    double *x, *y; // [width] where a sample of each pixel lies in the old picture
+    double *sums;  // [width, channels]
+} RowScratch;
+
+// Where the pinhole's points (column + u, v) lie in the old picture.
+static void place_samples(const FfpOptics *optics, const FfpCamera *pinhole, double u, double v,
+                          const RowScratch *own) {
     const double y = (v - (double)pinhole->cy) / (double)pinhole->fy;
-    double at_x = 0, at_y = 0;
-    real value[4];
-    ffp_lens_distort(optics->lens, x, y, &at_x, &at_y);
-    at_x = optics->cx + optics->fx * at_x, at_y = optics->cy + optics->fy * at_y;
-    if (!(at_x >= 0 && at_y >= 0 && at_x <= image->width && at_y <= image->height)) return;
-    ffp_image_sample(image, (real)at_x, (real)at_y, value);
-    for (int c = 0; c < image->channels; c++) sum[c] += (double)value[c];
+    for (int column = 0; column < pinhole->width; column++) {
+        const double x = (column + u - (double)pinhole->cx) / (double)pinhole->fx;
+        double at_x = 0, at_y = 0;
+        ffp_lens_distort(optics->lens, x, y, &at_x, &at_y);
+        own->x[column] = optics->cx + optics->fx * at_x, own->y[column] = optics->cy + optics->fy * at_y;
+    }
+}
+
+// Adds the old picture's values where the samples lie in it.
+static void add_samples(const FfpImage *image, int width, const RowScratch *own) {
+    double *sum = own->sums;
+    for (int column = 0; column < width; column++, sum += image->channels) {
+        const double x = own->x[column], y = own->y[column];
+        real value[4];
+        if (!(x >= 0 && y >= 0 && x <= image->width && y <= image->height)) continue;
+        ffp_image_sample(image, (real)x, (real)y, value);
+        for (int c = 0; c < image->channels; c++) sum[c] += (double)value[c];
+    }
 }
 
 FfpImage ffp_optics_rectify(const FfpOptics *optics, const FfpCamera *pinhole, const FfpImage *image) {
@@ -137,18 +156,22 @@ FfpImage ffp_optics_rectify(const FfpOptics *optics, const FfpCamera *pinhole, c
     FfpImage out = ffp_image_new(pinhole->width, pinhole->height, image->channels);
     const int across = samples_across(optics->fx, (double)pinhole->fx);
     const int down = samples_across(optics->fy, (double)pinhole->fy);
+    const size_t width = (size_t)out.width, values = width * (size_t)out.channels;
+    double *scratch = ffp_take((size_t)omp_get_max_threads(), (2 * width + values) * sizeof *scratch);
 #pragma omp parallel for schedule(static)
     for (int row = 0; row < out.height; row++) {
-        for (int column = 0; column < out.width; column++) {
-            double sum[4] = {0};
-            for (int k = 0; k < across * down; k++) {
-                const int x = k % across, y = k / across;
-                add_sample(optics, pinhole, image, column + (x + 0.5) / across, row + (y + 0.5) / down, sum);
-            }
-            real *to = out.data + ((size_t)row * (size_t)out.width + (size_t)column) * (size_t)out.channels;
-            for (int c = 0; c < out.channels; c++) to[c] = (real)(sum[c] / (across * down));
+        double *first = scratch + (size_t)omp_get_thread_num() * (2 * width + values);
+        const RowScratch own = {first, first + width, first + 2 * width};
+        memset(own.sums, 0, values * sizeof *own.sums);
+        for (int k = 0; k < across * down; k++) {
+            const int x = k % across, y = k / across;
+            place_samples(optics, pinhole, (x + 0.5) / across, row + (y + 0.5) / down, &own);
+            add_samples(image, out.width, &own);
         }
+        real *to = out.data + (size_t)row * values;
+        for (size_t i = 0; i < values; i++) to[i] = (real)(own.sums[i] / (across * down));
     }
+    ffp_free(scratch);
     return out;
 }
 

@@ -3,6 +3,8 @@
 // lie at integers.
 #include <stdio.h>
 #include <string.h>
+#include "core/base/log.h"
+#include "rig/optics/by_shape.h"
 #include "rig/optics/calibration.h"
 #include "rig/optics/matrix.h"
 
@@ -40,6 +42,12 @@ static bool find_one(const FfpNode *root, const char *const *keys, FfpNode *out,
     return true;
 }
 
+static bool has_key(const FfpNode *root, const char *const *keys) {
+    FfpNode field;
+    while (*keys && !ffp_node_find(root, *keys, &field)) keys++;
+    return *keys != NULL;
+}
+
 static bool read_device(const FfpNode *root, const char *const *keys, const char *const *lens_keys,
                         FfpOptics *optics, bool *has, FfpError *err) {
     FfpNode matrix, lens;
@@ -65,12 +73,13 @@ static bool read_rows(const FfpNode *field, double pose[16], FfpError *err) {
     return ffp_pose_from_rotation(field, r, t, pose, err);
 }
 
-static bool read_motion(FfpCalibration *calibration, const FfpNode *root, FfpError *err) {
+static bool read_motion_of(FfpCalibration *calibration, const FfpNode *root, const char *const *rotations,
+                           const char *const *translations, FfpError *err) {
     FfpNode rotation, translation, camera, projector;
     bool turns = false, moves = false;
     double c2p[16];
-    if (!find_one(root, rotation_keys, &rotation, &turns, err) ||
-        !find_one(root, translation_keys, &translation, &moves, err)) {
+    if (!find_one(root, rotations, &rotation, &turns, err) ||
+        !find_one(root, translations, &translation, &moves, err)) {
         return false;
     }
     if (ffp_node_find(root, "prjRT", &projector)) {
@@ -97,6 +106,10 @@ static bool read_motion(FfpCalibration *calibration, const FfpNode *root, FfpErr
     calibration->has_projector_pose = true;
     ffp_pose_inverse(c2p, calibration->p2c);
     return true;
+}
+
+static bool read_motion(FfpCalibration *calibration, const FfpNode *root, FfpError *err) {
+    return read_motion_of(calibration, root, rotation_keys, translation_keys, err);
 }
 
 // kamino410's img_shape: the camera's height and width.
@@ -258,8 +271,56 @@ bool ffp_read_kalibr(FfpCalibration *calibration, const FfpNode *root, FfpError 
     return true;
 }
 
+static bool read_shaped_device(const FfpNode *root, const char *const keys[FFP_SHAPES], FfpOptics *optics,
+                               bool *has, FfpError *err) {
+    const char *const matrix[2] = {keys[FFP_SHAPE_MATRIX], NULL}, *const lens[2] = {keys[FFP_SHAPE_LENS],
+                                                                                    NULL};
+    FfpNode field;
+    double size[2];
+    if (!read_device(root, matrix, lens, optics, has, err)) return false;
+    if (!keys[FFP_SHAPE_SIZE] || !ffp_node_find(root, keys[FFP_SHAPE_SIZE], &field)) return true;
+    if (!ffp_node_matrix_of(&field, 2, 1, size, err)) return false;
+    if (size[0] > FFP_IMAGE_SIDE_MAX || size[1] > FFP_IMAGE_SIDE_MAX)
+        return ffp_node_fail(&field, err, "invalid size: expected 1 to %d pixels", FFP_IMAGE_SIDE_MAX);
+    return ffp_settle_size(optics, &field, (int)size[0], (int)size[1], err);
+}
+
+// Other tools' keys, by what they hold. Sizes are width, height.
+static bool read_by_shape(FfpCalibration *calibration, const FfpNode *root, const FfpShapedKeys *keys,
+                          FfpError *err) {
+    const char *const rotations[2] = {keys->rotation, NULL}, *const translations[2] = {keys->translation,
+                                                                                       NULL};
+    if (!read_shaped_device(root, keys->device[0], &calibration->camera, &calibration->has_camera, err) ||
+        !read_shaped_device(root, keys->device[1], &calibration->projector, &calibration->has_projector,
+                            err) ||
+        !read_motion_of(calibration, root, rotations, translations, err))
+        return false;
+    ffp_note("%s: keys of an unknown tool, taken for what they hold: %s the camera's, %s the projector's, %s "
+             "and %s "
+             "from the camera to the projector",
+             root->file, keys->device[0][FFP_SHAPE_MATRIX], keys->device[1][FFP_SHAPE_MATRIX],
+             keys->rotation ? keys->rotation : "no rotation",
+             keys->translation ? keys->translation : "no translation");
+    return true;
+}
+
+// "a, b and c": what the file has at its root.
+static const char *list_keys(const FfpNode *root, char *out, size_t size) {
+    const char *key;
+    json_t *value;
+    size_t length = 0;
+    out[0] = 0;
+    json_object_foreach(root->value, key, value) {
+        if (length + 1 < size)
+            length += (size_t)snprintf(out + length, size - length, "%s%.40s", length ? ", " : "", key);
+    }
+    return out;
+}
+
 bool ffp_read_opencv(FfpCalibration *calibration, const FfpNode *root, FfpError *err) {
     FfpNode camera;
+    FfpShapedKeys shaped;
+    char keys[200];
     bool single = false;
     const bool before[3] = {calibration->has_camera, calibration->has_projector,
                             calibration->has_projector_pose};
@@ -267,6 +328,8 @@ bool ffp_read_opencv(FfpCalibration *calibration, const FfpNode *root, FfpError 
     if (!find_one(root, single_keys, &camera, &single, err)) return false;
     if (single) return read_single(calibration, root, &camera, err);
     if (ffp_node_find(root, "camera", &camera)) return read_camera_config(calibration, &camera, err);
+    const bool known = has_key(root, camera_keys) && has_key(root, projector_keys);
+    if (!known && ffp_keys_by_shape(root, &shaped)) return read_by_shape(calibration, root, &shaped, err);
     if (!read_sizes(calibration, root, &told, err) ||
         !read_device(root, camera_keys, camera_lens_keys, &calibration->camera, &calibration->has_camera,
                      err) ||
@@ -280,6 +343,7 @@ bool ffp_read_opencv(FfpCalibration *calibration, const FfpNode *root, FfpError 
            before[2] != calibration->has_projector_pose;
     return told ||
            ffp_node_fail(root, err,
-                         "none of the keys of a known calibration tool; write the matrices as camK, prjK "
-                         "(3 x 3), camKc, prjKc (k1 k2 p1 p2 k3), R and T (from camera to projector)");
+                         "%s: none of the keys of a known calibration tool; write the matrices as camK, prjK "
+                         "(3 x 3), camKc, prjKc (k1 k2 p1 p2 k3), R and T (from camera to projector)",
+                         list_keys(root, keys, sizeof keys));
 }

@@ -200,16 +200,21 @@ static bool estimate_deviation(Fitting *fitting, FfpResponse *response) {
 
 // In a dark room black / white is the same everywhere; otherwise the least of it bounds the projector's
 // share.
+bool ffp_response_black(double *shares, size_t n, double *black) {
+    const double median = ffp_quantile(shares, n, 0.5),
+                 spread = ffp_quantile(shares, n, 0.9) - ffp_quantile(shares, n, 0.1);
+    const bool dark = spread <= DARK * median || median < 1e-3;
+    *black = dark ? median : ffp_quantile(shares, n, 0.02);
+    return dark;
+}
+
 static void find_black(const Fitting *fitting, FfpResponse *response) {
     double *shares = ffp_alloc((size_t)fitting->count + 1, sizeof *shares);
     response->black_known = true;
     const size_t n = (size_t)fitting->count;
     for (int c = 0; c < 3; c++) {
         for (int i = 0; i < fitting->count; i++) shares[i] = (double)fitting->samples[i].share[c];
-        const double median = ffp_quantile(shares, n, 0.5),
-                     spread = ffp_quantile(shares, n, 0.9) - ffp_quantile(shares, n, 0.1);
-        const bool dark = spread <= DARK * median || median < 1e-3;
-        response->black[c] = dark ? median : ffp_quantile(shares, n, 0.02);
+        const bool dark = ffp_response_black(shares, n, &response->black[c]);
         response->black_known = response->black_known && dark;
     }
     ffp_free(shares);

@@ -23,5 +23,19 @@ void ffp_response_apply(const FfpResponse *response, bool linear, FfpImage *patt
 // lit pixels, and a pattern without middling values, which says nothing about gamma.
 bool ffp_fit_response(FfpResponse *response, const FfpCapture *capture, int active, bool linear,
                       FfpError *err);
+// The black level of a channel from n pixels' shares black / white, which are reordered: false where the room
+// was not dark, and it is the most that it may be.
+bool ffp_response_black(double *shares, size_t n, double *black);
+
+// --- greys.c ---
+
+typedef struct FfpGrey { // an even picture
+    double value;        // of the file, in (0,1)
+    double light[3];     // median share of white's light above black's
+} FfpGrey;
+
+// Gamma and its deviation from at least two greys, by least squares. errors: root mean square differences of
+// light of every other grey by the plain response (sRGB or `linear`) and by the gamma of the rest.
+void ffp_fit_greys(FfpResponse *response, const FfpGrey *greys, int n, bool linear, double errors[2]);
 
 #endif

@@ -15,7 +15,8 @@ static const double usual[FFP_BUNDLE_OPTICS] = {
     [FFP_BUNDLE_CAMERA_ASPECT] = 0.002, [FFP_BUNDLE_PROJECTOR_X] = 0.03,
     [FFP_BUNDLE_PROJECTOR_Y] = 0.5,     [FFP_BUNDLE_PROJECTOR_K1] = 0.1,
     [FFP_BUNDLE_PROJECTOR_K2] = 0.02,   [FFP_BUNDLE_PROJECTOR_P1] = 0.001,
-    [FFP_BUNDLE_PROJECTOR_P2] = 0.001,  [FFP_BUNDLE_PROJECTOR_ASPECT] = 0.002};
+    [FFP_BUNDLE_PROJECTOR_P2] = 0.001,  [FFP_BUNDLE_PROJECTOR_ASPECT] = 0.002,
+    [FFP_BUNDLE_PROJECTOR_SKEW] = 0.002};
 
 // The numbers of one device begin with its focal length and lie in one order.
 enum { FOCAL, X, Y, K1, K2, P1, P2, ASPECT };
@@ -26,20 +27,35 @@ static FfpBundleDevice device_of(const double *numbers, int width, int height) {
                              focal * (1 + 0.5 * numbers[ASPECT]),
                              (0.5 + numbers[X]) * width,
                              0.5 * height + numbers[Y] * width,
-                             {numbers[K1], numbers[K2], numbers[P1], numbers[P2]}};
+                             {numbers[K1], numbers[K2], numbers[P1], numbers[P2]},
+                             0};
 }
 
 FfpBundleDevice ffp_bundle_camera(const FfpTracks *t, const double optics[FFP_BUNDLE_OPTICS]) {
     return device_of(optics + FFP_BUNDLE_CAMERA_FOCAL, t->width, t->height);
 }
 
+FfpBundleDevice ffp_bundle_camera_at(const FfpTracks *t, const double optics[FFP_BUNDLE_OPTICS],
+                                     const double own[FFP_OWN]) {
+    double there[FFP_BUNDLE_OPTICS];
+    memcpy(there, optics, sizeof there);
+    there[FFP_BUNDLE_CAMERA_FOCAL] += own[FFP_OWN_FOCAL];
+    there[FFP_BUNDLE_CAMERA_K1] += own[FFP_OWN_K1];
+    there[FFP_BUNDLE_CAMERA_X] += own[FFP_OWN_X], there[FFP_BUNDLE_CAMERA_Y] += own[FFP_OWN_Y];
+    return ffp_bundle_camera(t, there);
+}
+
 FfpBundleDevice ffp_bundle_projector(const FfpTracks *t, const double optics[FFP_BUNDLE_OPTICS]) {
-    return device_of(optics + FFP_BUNDLE_PROJECTOR_FOCAL, t->panel_width, t->panel_height);
+    FfpBundleDevice projector =
+        device_of(optics + FFP_BUNDLE_PROJECTOR_FOCAL, t->panel_width, t->panel_height);
+    projector.skew = projector.fy * optics[FFP_BUNDLE_PROJECTOR_SKEW];
+    return projector;
 }
 
 bool ffp_bundle_ray(const FfpBundleDevice *device, const double pixel[2], double ray[3]) {
-    const bool ok = ffp_lens_undistort(device->lens, (pixel[0] - device->x) / device->fx,
-                                       (pixel[1] - device->y) / device->fy, ray);
+    const double y = (pixel[1] - device->y) / device->fy,
+                 x = (pixel[0] - device->x - device->skew * y) / device->fx;
+    const bool ok = ffp_lens_undistort(device->lens, x, y, ray);
     ray[2] = ok;
     return ok;
 }
@@ -48,7 +64,7 @@ bool ffp_bundle_pixel(const FfpBundleDevice *camera, const double x[3], double a
     double u, v;
     if (!(x[2] > 0)) return false;
     ffp_lens_distort(camera->lens, x[0] / x[2], x[1] / x[2], &u, &v);
-    at[0] = camera->x + camera->fx * u, at[1] = camera->y + camera->fy * v;
+    at[0] = camera->x + camera->fx * u + camera->skew * v, at[1] = camera->y + camera->fy * v;
     return true;
 }
 
@@ -58,7 +74,7 @@ void ffp_rigid_apply(const FfpRigid *m, const double p[3], double out[3]) {
 
 // --- One track: its nearness, and how far its sightings lie from where that puts them. ---
 
-static bool counts(const FfpDevices *d, const FfpSighting *s) {
+bool ffp_devices_count(const FfpDevices *d, const FfpSighting *s) {
     return s->used && d->known[s->place];
 }
 
@@ -83,10 +99,10 @@ static bool sight(const FfpBundleDevice *c, const double x[3], const double t[3]
 static double first_nearness(const FfpDevices *d, const FfpSighting *s, int n, const double ray[3]) {
     double above = 0, below = 0;
     for (int i = 0; i < n; i++) {
-        if (!counts(d, &s[i])) continue;
+        if (!ffp_devices_count(d, &s[i])) continue;
         const FfpRigid *pose = &d->places[s[i].place];
-        const double a[2] = {(s[i].at[0] - d->camera.x) / d->camera.fx,
-                             (s[i].at[1] - d->camera.y) / d->camera.fy};
+        const FfpBundleDevice *camera = &d->cameras[s[i].place];
+        const double a[2] = {(s[i].at[0] - camera->x) / camera->fx, (s[i].at[1] - camera->y) / camera->fy};
         for (int k = 0; k < 2; k++) {
             const double fixed = a[k] * ffp_dot(pose->r + 6, ray) - ffp_dot(pose->r + 3 * k, ray);
             const double moves = a[k] * pose->t[2] - pose->t[k];
@@ -96,6 +112,17 @@ static double first_nearness(const FfpDevices *d, const FfpSighting *s, int n, c
     return below > 0 ? above / below : 0;
 }
 
+bool ffp_devices_miss(const FfpDevices *d, const double ray[3], const FfpSighting *s, double nearness,
+                      double off[2], double slope[2]) {
+    const FfpRigid *pose = &d->places[s->place];
+    const double x[3] = {ffp_dot(pose->r, ray), ffp_dot(pose->r + 3, ray), ffp_dot(pose->r + 6, ray)};
+    double at[2] = {s->at[0] + BEHIND, s->at[1]};
+    slope[0] = slope[1] = 0;
+    const bool seen = nearness > 0 && sight(&d->cameras[s->place], x, pose->t, nearness, at, slope);
+    for (int k = 0; k < 2; k++) off[k] = at[k] - s->at[k];
+    return seen;
+}
+
 double ffp_devices_nearness(const FfpDevices *d, const double ray[3], const FfpSighting *s, int n,
                             double start, double *differences) {
     const bool ok = ray[2] > 0;
@@ -103,15 +130,12 @@ double ffp_devices_nearness(const FfpDevices *d, const double ray[3], const FfpS
     for (int step = 0; ok && step <= NEARNESS_STEPS; step++) {
         double above = 0, below = 0;
         for (int i = 0; i < n; i++) {
-            if (!counts(d, &s[i])) continue;
-            const FfpRigid *pose = &d->places[s[i].place];
-            const double x[3] = {ffp_dot(pose->r, ray), ffp_dot(pose->r + 3, ray), ffp_dot(pose->r + 6, ray)};
-            double at[2] = {s[i].at[0] + BEHIND, s[i].at[1]}, slope[2] = {0};
-            if (nearness > 0) sight(&d->camera, x, pose->t, nearness, at, slope);
+            double off[2], slope[2];
+            if (!ffp_devices_count(d, &s[i])) continue;
+            ffp_devices_miss(d, ray, &s[i], nearness, off, slope);
             for (int k = 0; k < 2; k++) {
-                const double off = at[k] - s[i].at[k];
-                if (differences) differences[2 * i + k] = off;
-                above += slope[k] * off, below += slope[k] * slope[k];
+                if (differences) differences[2 * i + k] = off[k];
+                above += slope[k] * off[k], below += slope[k] * slope[k];
             }
         }
         if (step == NEARNESS_STEPS || !(below > 0)) break;
@@ -122,12 +146,16 @@ double ffp_devices_nearness(const FfpDevices *d, const double ray[3], const FfpS
     return ok && nearness > 0 ? nearness : 0;
 }
 
-void ffp_optics_unusual(const double optics[FFP_BUNDLE_OPTICS], const FfpKnownFocal *known, double firm,
+void ffp_optics_unusual(const double optics[FFP_BUNDLE_OPTICS], const FfpUsual *beforehand, double firm,
                         double distance, double *out) {
+    const FfpKnownFocal *known = &beforehand->focal;
+    const double panel = beforehand->panel;
     for (int i = 0; i < FFP_BUNDLE_OPTICS; i++) out[i] = usual[i] > 0 ? firm * optics[i] / usual[i] : 0;
-    if (known->deviation > 0)
+    for (int i = FFP_BUNDLE_PROJECTOR_ASPECT; i <= FFP_BUNDLE_PROJECTOR_SKEW && panel > 0; i++)
+        out[i] = firm * optics[i] / panel;
+    if (known->deviation > 0) // as one coordinate of a sighting, of which `firm` counts both
         out[FFP_BUNDLE_CAMERA_FOCAL] =
-            firm * (optics[FFP_BUNDLE_CAMERA_FOCAL] - known->log) / known->deviation;
+            sqrt(0.5) * firm * (optics[FFP_BUNDLE_CAMERA_FOCAL] - known->log) / known->deviation;
     out[FFP_BUNDLE_OPTICS] = log(distance) / UNIT_HELD * FFP_BUNDLE_NOISE;
 }
 

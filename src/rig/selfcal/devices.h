@@ -25,15 +25,19 @@ enum {
     FFP_BUNDLE_PROJECTOR_P1,
     FFP_BUNDLE_PROJECTOR_P2,
     FFP_BUNDLE_PROJECTOR_ASPECT,
+    FFP_BUNDLE_PROJECTOR_SKEW, // how far x moves along y, of the focal length: corrected keystone
     FFP_BUNDLE_OPTICS
 };
 enum { FFP_BUNDLE_PRIORS = FFP_BUNDLE_OPTICS + 1 };
+
+// By how much the camera of one place differs from that of all: its axis, of the width, and the logarithm of
+// its focal length. Lenses that focus, stabilisers and a second body of the same model are such. Where every
+// place is known to have its own camera, so does the lens.
+enum { FFP_OWN_X, FFP_OWN_Y, FFP_OWN_FOCAL, FFP_OWN_K1, FFP_OWN };
+typedef double FfpOwn[FFP_OWN];
+#define FFP_PANEL_WIDE 0.3   // deviation of the aspect and skew of a projector that may correct its picture
 #define FFP_FOCAL_HELD 1e-4  // deviation of a focal length that is not to move
 #define FFP_BUNDLE_NOISE 0.3 // pixels: what a sighting is off by at first, next to which usual values count
-
-#define FFP_MIRRORED_CODES                                                                                   \
-    "the codes show a mirror image: the pictures are mirrored, or the coarsest code of the columns or of "   \
-    "the rows has changed places with its inverse"
 
 typedef struct FfpKnownFocal { // of the camera, where a lens or a file says it
     double log;                // the logarithm, pixels
@@ -42,9 +46,13 @@ typedef struct FfpKnownFocal { // of the camera, where a lens or a file says it
 
 typedef struct FfpBundleDevice {
     double fx, fy, x, y, lens[5]; // pixels; as FfpOptics
+    double skew;                  // pixels that x moves for one along y
 } FfpBundleDevice;
 
 FfpBundleDevice ffp_bundle_camera(const FfpTracks *tracks, const double optics[FFP_BUNDLE_OPTICS]);
+// The camera as it is at a place with numbers of its own.
+FfpBundleDevice ffp_bundle_camera_at(const FfpTracks *tracks, const double optics[FFP_BUNDLE_OPTICS],
+                                     const double own[FFP_OWN]);
 FfpBundleDevice ffp_bundle_projector(const FfpTracks *tracks, const double optics[FFP_BUNDLE_OPTICS]);
 // The ray (x, y, 1) of a pixel; false, and (x, y, 0), where the lens has none.
 bool ffp_bundle_ray(const FfpBundleDevice *device, const double pixel[2], double ray[3]);
@@ -53,11 +61,20 @@ bool ffp_bundle_pixel(const FfpBundleDevice *device, const double point[3], doub
 
 void ffp_rigid_apply(const FfpRigid *motion, const double point[3], double out[3]);
 
-typedef struct FfpDevices { // as they are tried
-    FfpBundleDevice camera, projector;
+typedef struct FfpDevices {         // as they are tried
+    const FfpBundleDevice *cameras; // [of the tracks] at each place
+    FfpBundleDevice projector;
     const FfpRigid *places; // [of the tracks] projector's frame to the camera's there
     const bool *known;      // those that count
 } FfpDevices;
+
+// From a sighting to where a point at a nearness along a ray of the projector is seen, pixels, and how that
+// moves with the nearness. False, with a difference that is far too large and no slope: behind the camera.
+bool ffp_devices_miss(const FfpDevices *devices, const double ray[3], const FfpSighting *sighting,
+                      double nearness, double off[2], double slope[2]);
+
+// True if a sighting takes part.
+bool ffp_devices_count(const FfpDevices *devices, const FfpSighting *sighting);
 
 // The nearness 1 / z along a ray of the projector that fits n sightings best, from `start` (0: from nothing);
 // 0: none. differences [n,2] or NULL: from the sightings to where that puts them, pixels; of those that do
@@ -65,9 +82,15 @@ typedef struct FfpDevices { // as they are tried
 double ffp_devices_nearness(const FfpDevices *devices, const double ray[3], const FfpSighting *sightings,
                             int n, double start, double *differences);
 
+// Optics as they are expected.
+typedef struct FfpUsual {
+    FfpKnownFocal focal;
+    double panel; // deviation of the projector's aspect and skew; 0: the usual one, of pixels that are square
+} FfpUsual;
+
 // FFP_BUNDLE_PRIORS differences that keep to what is usual: the optics', times `firm`, and that of the unit
 // of length, which no photograph tells: `distance`, relative to what it was.
-void ffp_optics_unusual(const double optics[FFP_BUNDLE_OPTICS], const FfpKnownFocal *known, double firm,
+void ffp_optics_unusual(const double optics[FFP_BUNDLE_OPTICS], const FfpUsual *beforehand, double firm,
                         double distance, double *out);
 
 // Both devices as other programs have them, in OpenCV's pixels; deviation [FFP_BUNDLE_OPTICS].

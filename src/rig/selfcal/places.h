@@ -10,9 +10,11 @@
 enum { FFP_PLACES_MAX = 64 };
 
 typedef struct FfpCameraPlace {
-    char name[256];    // of its folder
-    char problem[768]; // why it is left out; "": it is not
-    int seen;          // tracks that it sees
+    char name[256];      // of its folder
+    char problem[768];   // why it is left out; "": it is not
+    const char *finding; // the code of the finding behind it; NULL: there is none
+    int seen;            // tracks that it sees
+    double focal_35mm;   // of the camera, mm, as its files tell it; 0: not
 } FfpCameraPlace;
 
 // A spot of the panel, and where each place sees it. Pixel centres lie at integers + 0.5.
@@ -32,7 +34,7 @@ typedef struct FfpSighting {
 
 typedef struct FfpTracks {
     int width, height, panel_width, panel_height; // of all photographs, and of the panel
-    double focal_35mm;                            // of the camera, mm, as its files tell it; 0: not
+    double focal_35mm;                            // that of most places, mm, as their files tell it; 0: not
     int n_places, n, n_sightings;
     FfpCameraPlace *places; // [n_places]
     FfpTrack *tracks;       // [n]
@@ -52,5 +54,18 @@ typedef struct FfpTracks {
 void ffp_tracks_find(FfpTracks *tracks, const FfpImage *maps, const FfpImage *whites, int shrink,
                      double step);
 void ffp_tracks_free(FfpTracks *tracks);
+
+// Of those that are left out how many they are, and why the first that a finding tells of, or otherwise the
+// first: "3 left out, NAME: WHY".
+enum { FFP_LEFT_OUT_SIZE = 640 };
+void ffp_places_left_out(const FfpTracks *tracks, char text[FFP_LEFT_OUT_SIZE]);
+// Refuses to go on with too few of them. Returns false.
+bool ffp_places_refuse_few(const FfpTracks *tracks, int used, int least, const char *what, FfpError *err);
+
+// The noise in the errors of a fit, which neighbours do not share: the root of half the mean square of
+// the difference between those of tracks side by side. `miss`: from a track's sighting at a place to where
+// the fit puts it; false: it is not used there.
+double ffp_tracks_noise(const FfpTracks *tracks, const void *fit,
+                        bool (*miss)(const void *fit, int track, int place, double off[2]));
 
 #endif

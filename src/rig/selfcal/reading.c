@@ -4,9 +4,13 @@
 #include "core/base/alloc.h"
 #include "core/base/log.h"
 #include "core/image/photograph.h"
+#include "core/numerics/rank.h"
+#include "rig/findings/tell.h"
 #include "rig/graycode/graycode.h"
 #include "rig/selfcal/selfcal.h"
 #include "rig/shots/folders.h"
+#include "rig/shots/tags.h"
+#include "rig/shots/taken.h"
 
 #define PIXELS_LEFT 1.5 // of a photograph to one of the panel, along a side: more is averaged when read
 
@@ -16,6 +20,7 @@ typedef struct Reading {
     FfpImage *maps;   // [n]
     FfpImage *whites; // [n] as they look, [h,w,1]
     int shrink;
+    bool linear;
     double step;
 } Reading;
 
@@ -24,6 +29,7 @@ static bool leave_out(FfpCameraPlace *place, const FfpError *error, FfpError *er
     if (error->code == FFP_ERROR_FILE || error->code == FFP_ERROR_IO ||
         error->code == FFP_ERROR_UNSUPPORTED) {
         snprintf(place->problem, sizeof place->problem, "%s", error->text);
+        place->finding = error->finding;
         return true;
     }
     if (err) *err = *error;
@@ -37,6 +43,8 @@ static bool read_place(Reading *r, int index, FfpError *err) {
     FfpGrayPhotographs photographs = {.width = r->tracks->panel_width,
                                       .height = r->tracks->panel_height,
                                       .shrink = r->shrink,
+                                      .others = folder->others,
+                                      .linear = r->linear,
                                       .cache = &cache};
     FfpGrayReport report;
     FfpError error = {0};
@@ -44,8 +52,7 @@ static bool read_place(Reading *r, int index, FfpError *err) {
     snprintf(place->name, sizeof place->name, "%s", folder->name);
     if (folder->problem) snprintf(place->problem, sizeof place->problem, "%s", folder->problem);
     if (place->problem[0]) return true;
-    if (!ffp_photograph_read_size(&width, &height, folder->files[0], &error))
-        return leave_out(place, &error, err);
+    if (!ffp_shot_folder_size(folder, &width, &height, &error)) return leave_out(place, &error, err);
     if (width != r->tracks->width || height != r->tracks->height) {
         snprintf(place->problem, sizeof place->problem,
                  "its photographs are %d x %d, those of the others %d x %d", width, height, r->tracks->width,
@@ -61,6 +68,7 @@ static bool read_place(Reading *r, int index, FfpError *err) {
     ffp_gray_cache_free(&cache);
     if (!ok) return leave_out(place, &error, err);
     ffp_note("%s: codes read at %.0f %% of the lit pixels", place->name, 100.0 * report.decoded / report.lit);
+    ffp_gray_tell_light(&report, place->name);
     r->step = fmax(r->step, report.step);
     return true;
 }
@@ -69,19 +77,45 @@ static bool read_sizes(Reading *r, FfpError *err) {
     FfpTracks *t = r->tracks;
     for (int i = 0; i < r->folders.n; i++)
         if (!r->folders.folders[i].problem && r->folders.folders[i].n_files > 0) {
-            const char *first = r->folders.folders[i].files[0];
-            if (!ffp_photograph_read_size(&t->width, &t->height, first, err)) return false;
-            t->focal_35mm = ffp_image_focal_35mm(first);
+            if (!ffp_shot_folder_size(&r->folders.folders[i], &t->width, &t->height, err)) return false;
             const double over =
                 sqrt((double)t->width * t->height / ((double)t->panel_width * t->panel_height));
             for (r->shrink = 1; r->shrink < 8 && over / (2 * r->shrink) >= PIXELS_LEFT;) r->shrink *= 2;
             return true;
         }
-    return ffp_fail(err, FFP_ERROR_FILE, NULL, "%s: %s", r->folders.folders[0].name,
-                    r->folders.folders[0].problem);
+    return true; // every place has a problem
 }
 
-static bool read_places(Reading *r, FfpError *err) {
+// Cameras and lenses by all files.
+static void ask_cameras(Reading *r, bool one) {
+    FfpTracks *t = r->tracks;
+    double each[FFP_PLACES_MAX];
+    t->focal_35mm = ffp_taken_compare(r->folders.folders, t->n_places, one, each);
+    for (int i = 0; i < t->n_places; i++) t->places[i].focal_35mm = each[i];
+}
+
+// Leaves out places whose photographs are tagged differently; at the stops of a turntable the camera stands
+// still, and all must be tagged alike.
+static bool check_tags(Reading *r, bool turns, FfpError *err) {
+    int tags[FFP_PLACES_MAX];
+    bool ok = true;
+    for (int i = 0; ok && i < r->folders.n; i++) {
+        const FfpShotFolder *folder = &r->folders.folders[i];
+        FfpError mixed = {0};
+        tags[i] = ffp_tag_of(folder->files, folder->n_files, NULL, &mixed);
+        ok = tags[i] > 0 || leave_out(&r->tracks->places[i], &mixed, err);
+    }
+    const int usual = ffp_tag_usual(tags, r->folders.n);
+    for (int i = 0; ok && turns && i < r->folders.n; i++) {
+        FfpError other = {0};
+        if (tags[i] == 0 || tags[i] == usual) continue;
+        ffp_tag_fail(r->folders.folders[i].name, tags[i], usual, NULL, &other);
+        ok = leave_out(&r->tracks->places[i], &other, err);
+    }
+    return ok;
+}
+
+static bool read_places(Reading *r, bool one, bool turns, FfpError *err) {
     FfpTracks *t = r->tracks;
     const int n = r->folders.n;
     if (n > FFP_PLACES_MAX)
@@ -90,8 +124,9 @@ static bool read_places(Reading *r, FfpError *err) {
     t->places = ffp_alloc((size_t)n, sizeof *t->places);
     r->maps = ffp_alloc((size_t)n, sizeof *r->maps);
     r->whites = ffp_alloc((size_t)n, sizeof *r->whites);
+    ask_cameras(r, one);
     const FfpTask task = ffp_task("reading places", n);
-    bool ok = read_sizes(r, err);
+    bool ok = read_sizes(r, err) && check_tags(r, turns, err);
     for (int i = 0; ok && i < n; i++) {
         ok = read_place(r, i, err);
         ffp_task_step(&task, i + 1, t->places[i].name);
@@ -104,12 +139,12 @@ static bool read_places(Reading *r, FfpError *err) {
 }
 
 bool ffp_places_read(const FfpSelfCalibration *o, FfpTracks *tracks, FfpError *err) {
-    Reading r = {.tracks = tracks, .shrink = 1};
+    Reading r = {.tracks = tracks, .shrink = 1, .linear = o->linear};
     tracks->panel_width = o->width, tracks->panel_height = o->height;
     bool ok = ffp_shot_folders_find(&r.folders, o->places, o->n_places, err) &&
               (!o->shown || ffp_shot_folders_select_codes(&r.folders, o->shown, &tracks->panel_width,
                                                           &tracks->panel_height, err)) &&
-              read_places(&r, err);
+              read_places(&r, !o->camera_per_folder, o->n_angles > 0, err);
     ffp_shot_folders_free(&r.folders);
     return ok;
 }

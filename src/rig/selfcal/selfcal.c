@@ -4,14 +4,14 @@
 #include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/file.h"
+#include "core/base/log.h"
 #include "core/numerics/rank.h"
 #include "rig/chessboard/opencv.h"
 #include "rig/findings/tell.h"
 #include "rig/selfcal/start.h"
 
 enum { PLACES_LEAST = 2, SIDE_MIN = 64, SIDE_MAX = 16384, FIT_TRACKS = 2500 };
-#define FAR 5        // times the median
-#define PARALLAX 1.0 // degrees between the outermost places' rays that can be worked with
+#define FAR 5 // times the median
 
 static bool check(const FfpSelfCalibration *o, FfpError *err) {
     if (o->n_places == 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, "places", "no photographs given");
@@ -21,6 +21,9 @@ static bool check(const FfpSelfCalibration *o, FfpError *err) {
     for (int i = 0; i < o->n_angles; i++)
         if (!(fabs(o->angles[i]) <= 36000))
             return ffp_fail(err, FFP_ERROR_ARGUMENT, "angles", "invalid angle: %g degrees", o->angles[i]);
+    if (o->camera_per_folder && o->n_angles > 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "camera_per_folder",
+                        "one camera stands before a turntable, at all of its stops");
     if (!(o->focal_35mm == 0 ||
           (o->focal_35mm >= FFP_FOCAL_35MM_LEAST && o->focal_35mm <= FFP_FOCAL_35MM_MOST)))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "focal", "%g mm is not in %d to %d", o->focal_35mm,
@@ -35,15 +38,10 @@ static bool check(const FfpSelfCalibration *o, FfpError *err) {
 
 // --- Judging. ---
 
-static int known_places(const FfpBundle *b) {
-    int n = 0;
-    for (int p = 0; p < b->tracks->n_places; p++) n += b->known[p];
-    return n;
-}
-
-static void tell_places(const FfpBundle *b) {
+// Places that are left out; before all fails, those that have a reason of their own.
+static void tell_places(const FfpBundle *b, bool fails) {
     for (int p = 0; p < b->tracks->n_places; p++)
-        if (!b->known[p])
+        if (!b->known[p] && (!fails || b->tracks->places[p].problem[0]))
             ffp_tell(FFP_RULE_PLACE_LEFT_OUT,
                      &(FfpFacts){.view = b->tracks->places[p].name,
                                  .a = b->tracks->places[p].problem[0]
@@ -79,24 +77,26 @@ static double parallax_of(const FfpBundle *b) {
 
 static bool judge_parallax(const FfpBundle *b, FfpError *err) {
     const double angle = parallax_of(b);
-    return angle >= PARALLAX ||
-           ffp_fail(err, FFP_ERROR_FILE, NULL,
-                    "the places of the camera are too near to each other for what they "
-                    "see (%.1f degrees between their "
-                    "rays): walk 10 to 20 degrees from one to the next; before an object that turned "
-                    "instead, give its angles",
-                    angle);
+    return angle >= ffp_rule(FFP_RULE_PLACES_NEAR)->limit ||
+           ffp_refuse(FFP_RULE_PLACES_NEAR, &(FfpFacts){.figure = angle}, NULL, err);
 }
 
-static bool judge_focal(const FfpBundle *b, int number, const char *device, FfpError *err) {
-    return ffp_judge_focal(b->optics[number], b->deviation[number], device, FFP_RULE_PLACES_FOCAL, err);
-}
-
-// A lens that the photographs contradict is not believed.
+// A lens that the photographs contradict is not believed, unless they hardly tell. It is that of most places;
+// where others pull the common focal length away from it, it is not needed.
 static void judge_known(FfpBundle *b, int stride) {
-    if (!ffp_judge_known_focal(&b->focal, b->optics[FFP_BUNDLE_CAMERA_FOCAL])) return;
-    ffp_bundle_fit(b, stride, FAR, true);
-    ffp_tell_known_focal(&b->focal, b->optics[FFP_BUNDLE_CAMERA_FOCAL]);
+    const FfpKnownFocal lens = b->usual.focal;
+    const double *common = &b->optics[FFP_BUNDLE_CAMERA_FOCAL];
+    if (!ffp_focal_contradicts(&lens, *common, 0)) return;
+    b->usual.focal.deviation = 0;
+    ffp_bundle_fit_freely(b, stride, FAR);
+    const double deviation = b->deviation[FFP_BUNDLE_CAMERA_FOCAL],
+                 most = b->each ? *common : ffp_bundle_focal(b); // of most places
+    if (ffp_focal_contradicts(&lens, most, deviation)) {
+        ffp_tell_known_focal(&lens, most);
+    } else if (!ffp_focal_contradicts(&lens, *common, deviation)) {
+        b->usual.focal = lens;
+        ffp_bundle_fit_freely(b, stride, FAR);
+    }
 }
 
 // Distance of the first two known places.
@@ -110,13 +110,21 @@ static double first_step(const FfpBundle *b) {
     return ffp_unit(step);
 }
 
+// The largest deviation of a place's focal length.
+static double camera_uncertain(const FfpBundle *b) {
+    double most = b->deviation[FFP_BUNDLE_CAMERA_FOCAL];
+    for (int p = 0; b->each && p < b->tracks->n_places; p++)
+        if (b->known[p]) most = fmax(most, b->focal_deviation[p]);
+    return most;
+}
+
 static void fill_stats(const FfpBundle *b, FfpSelfCalibrationStats *s) {
     const FfpTracks *t = b->tracks;
     *s = (FfpSelfCalibrationStats){.places = t->n_places,
-                                   .used = known_places(b),
+                                   .used = ffp_bundle_places(b),
                                    .rms = b->rms,
-                                   .camera_focal = exp(b->optics[FFP_BUNDLE_CAMERA_FOCAL]),
-                                   .camera_uncertain = b->deviation[FFP_BUNDLE_CAMERA_FOCAL],
+                                   .camera_focal = exp(ffp_bundle_focal(b)),
+                                   .camera_uncertain = camera_uncertain(b),
                                    .projector_focal = exp(b->optics[FFP_BUNDLE_PROJECTOR_FOCAL]),
                                    .projector_uncertain = b->deviation[FFP_BUNDLE_PROJECTOR_FOCAL],
                                    .parallax = parallax_of(b)};
@@ -130,31 +138,96 @@ static void fill_stats(const FfpBundle *b, FfpSelfCalibrationStats *s) {
 
 // --- All of it. ---
 
+// As it was before the start, which alone has found fault with the `usable` places.
+static void begin_again(FfpBundle *b, const bool *usable) {
+    for (int p = 0; p < b->tracks->n_places; p++) {
+        b->known[p] = false;
+        if (usable[p]) b->tracks->places[p].problem[0] = 0;
+    }
+    for (int i = 0; i < b->tracks->n_sightings; i++) b->tracks->sightings[i].used = true;
+    memset(b->own, 0, (size_t)b->tracks->n_places * sizeof *b->own);
+    memset(b->own_usual, 0, sizeof b->own_usual);
+    memset(b->nearness, 0, (size_t)b->tracks->n * sizeof *b->nearness);
+    memset(b->optics, 0, sizeof b->optics);
+    b->rms = b->noise = 0;
+}
+
+// Where a panel with square pixels explains nothing, or others explain more, all begins again with these.
+static bool start_and_fit(FfpBundle *b, int stride, FfpError *err) {
+    bool usable[FFP_PLACES_MAX] = {false};
+    for (int p = 0; p < b->tracks->n_places; p++) usable[p] = b->tracks->places[p].problem[0] == 0;
+    const bool started = ffp_bundle_start(b, err);
+    const FfpRuleId refused = b->refused;
+    if (started && ffp_bundle_fit_freely(b, stride, FAR)) return true;
+    if (!started && !refused) return false;
+    begin_again(b, usable);
+    b->usual.panel = FFP_PANEL_WIDE;
+    const bool again = ffp_bundle_start(b, err);
+    if (again && (!ffp_bundle_fit_freely(b, stride, FAR) || started)) return true;
+    if (!started && (again || b->refused)) b->refused = refused; // otherwise another error ended it
+    return false;
+}
+
+static bool refuse_start(const FfpBundle *b, FfpError *err) {
+    char why[FFP_LEFT_OUT_SIZE];
+    ffp_places_left_out(b->tracks, why);
+    return b->refused && ffp_refuse(b->refused, &(FfpFacts){.figure = b->apart, .b = why}, NULL, err);
+}
+
+static bool enough_places(const FfpTracks *t, int used, FfpError *err) {
+    return used >= PLACES_LEAST ||
+           ffp_places_refuse_few(t, used, PLACES_LEAST, "places of the camera can be used", err);
+}
+
+static bool judge_cameras(const FfpBundle *b, FfpError *err) {
+    char name[300];
+    for (int p = 0; b->each && p < b->tracks->n_places; p++) {
+        if (!b->known[p]) continue;
+        const FfpBundleDevice camera = ffp_bundle_camera_at(b->tracks, b->optics, b->own[p]);
+        snprintf(name, sizeof name, "'%s' camera", b->tracks->places[p].name);
+        if (!ffp_judge_focal(b->focal_deviation[p], name, FFP_RULE_PLACES_FOCAL, err)) return false;
+        ffp_note("%s: focal length %.1f pixels (+- %.2f %%), optical axis at %.1f, %.1f",
+                 b->tracks->places[p].name, sqrt(camera.fx * camera.fy), 100 * b->focal_deviation[p],
+                 camera.x, camera.y);
+    }
+    return b->each ||
+           ffp_judge_focal(b->deviation[FFP_BUNDLE_CAMERA_FOCAL], "camera", FFP_RULE_PLACES_FOCAL, err);
+}
+
 bool ffp_self_calibration_fit(FfpBundle *b, FfpError *err) {
-    if (!ffp_bundle_start(b, err)) return false;
     const int stride = b->tracks->n / FIT_TRACKS + 1;
-    ffp_bundle_fit(b, stride, FAR, true);
+    int usable = 0;
+    for (int p = 0; p < b->tracks->n_places; p++) usable += b->tracks->places[p].problem[0] == 0;
+    const bool started = usable >= PLACES_LEAST && start_and_fit(b, stride, err);
+    if (!started) {
+        tell_places(b, true);
+        return enough_places(b->tracks, usable, err) && refuse_start(b, err);
+    }
     judge_known(b, stride);
-    tell_places(b);
-    if (known_places(b) < PLACES_LEAST)
-        return ffp_fail(err, FFP_ERROR_FILE, NULL, "fewer than %d places of the camera can be used",
-                        PLACES_LEAST);
-    return judge_parallax(b, err) && judge_focal(b, FFP_BUNDLE_CAMERA_FOCAL, "camera", err) &&
-           judge_focal(b, FFP_BUNDLE_PROJECTOR_FOCAL, "projector", err);
+    tell_places(b, false);
+    if (!enough_places(b->tracks, ffp_bundle_places(b), err)) return false;
+    ffp_tell_end(b->end);
+    ffp_tell_misfit(b->rms, b->noise, FFP_RULE_PLACES_MISFIT);
+    if (!b->each && !ffp_bundle_tell_own(b)) ffp_bundle_join(b, stride);
+    return judge_parallax(b, err) && ffp_judge_panel(b->optics, b->deviation, err) && judge_cameras(b, err) &&
+           ffp_judge_focal(b->deviation[FFP_BUNDLE_PROJECTOR_FOCAL], "projector", FFP_RULE_PLACES_FOCAL, err);
 }
 
 static bool run_walk(const FfpSelfCalibration *o, FfpTracks *tracks, FfpSelfCalibrationStats *stats,
                      FfpError *err) {
     FfpBundle b = {.tracks = tracks,
+                   .each = o->camera_per_folder,
                    .places = ffp_alloc((size_t)tracks->n_places, sizeof *b.places),
                    .known = ffp_alloc((size_t)tracks->n_places, sizeof *b.known),
                    .nearness = ffp_alloc((size_t)tracks->n + 1, sizeof *b.nearness),
-                   .focal = ffp_known_focal(o->focal_35mm, tracks)};
+                   .own = ffp_alloc((size_t)tracks->n_places, sizeof *b.own),
+                   .usual.focal = ffp_known_focal(o->focal_35mm, tracks)};
     const bool ok =
         ffp_self_calibration_fit(&b, err) &&
         ffp_self_calibration_write(&b, (o->length > 0 ? o->length : 1) / first_step(&b), o->folder, err);
     if (ok && stats) fill_stats(&b, stats);
-    ffp_free(b.places), ffp_free(b.known), ffp_free(b.nearness), ffp_free(b.deviation);
+    ffp_free(b.places), ffp_free(b.known), ffp_free(b.nearness), ffp_free(b.deviation), ffp_free(b.own),
+        ffp_free(b.own_deviation), ffp_free(b.focal_deviation);
     return ok;
 }
 

@@ -30,13 +30,24 @@ enum { FFP_FOCAL_35MM_LEAST = 5, FFP_FOCAL_35MM_MOST = 2000 };
 // The focal length by the lens of photographs of this size: the one that is given or, if that is 0, the one
 // that their files tell, with a note.
 FfpKnownFocal ffp_known_focal(double focal_35mm, const FfpTracks *tracks);
-// True if the focal length found contradicts the one that was known, which is then ignored: fit again, and
-// report it by ffp_tell_known_focal.
-bool ffp_judge_known_focal(FfpKnownFocal *known, double found);
+// True if a focal length that was found contradicts the one that was known. Where the fit kept to that one,
+// try again without it, and report it by ffp_tell_known_focal if the photographs alone, with their deviation,
+// contradict it too; where they hardly tell, the known one is right.
+bool ffp_focal_contradicts(const FfpKnownFocal *known, double found, double deviation);
 void ffp_tell_known_focal(const FfpKnownFocal *known, double found);
-// Checks that the logarithm of a device's focal length is certain enough. `doubt` is the rule of one that is
-// nearly so; its advice is the error's too.
-bool ffp_judge_focal(double log_focal, double deviation, const char *device, int doubt, FfpError *err);
+// Tells by a rule if errors are shared by neighbours, as noise is not: something moved, or a lens or shutter
+// is not as it is modelled.
+void ffp_tell_misfit(double rms, double noise, int rule);
+// Tells of a fit that ended before it settled.
+void ffp_tell_end(FfpFitEnd end);
+// True if the projector's pixels, whose aspect and skew were free, are certain not to be square.
+bool ffp_panel_unsquare(const double optics[FFP_BUNDLE_OPTICS], const double *deviation);
+// Tells of such a panel that is stretched; false, with an error, where its picture is corrected for keystone,
+// which no calibration of a lens describes.
+bool ffp_judge_panel(const double optics[FFP_BUNDLE_OPTICS], const double *deviation, FfpError *err);
+// Refuses a focal length whose logarithm deviates too much. `doubt`: the rule of one that is nearly certain
+// enough.
+bool ffp_judge_focal(double deviation, const char *device, int doubt, FfpError *err);
 
 // COLMAP's text model in a new folder: cameras.txt (RADIAL), images.txt with a picture for each known place
 // and calib.jpg, which is the projector, and points3D.txt. The world is the first known place's camera; every

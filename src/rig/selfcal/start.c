@@ -6,13 +6,15 @@
 #include "core/base/call.h"
 #include "core/base/lens.h"
 #include "core/numerics/least_squares.h"
+#include "core/numerics/projection.h"
 #include "core/numerics/rank.h"
 #include "rig/chessboard/opencv.h"
 
-enum { COMMON_LEAST = 40, TRIED_TRACKS = 400, PAIRS_MOST = 60, SHORT_TRACKS = 500 };
+enum { COMMON_LEAST = 40, TRIED_TRACKS = 400, PAIRS_MOST = 60, SHORT_TRACKS = 500, TURNS = 6 };
 #define TOLERANCE 2.0    // pixels, before anything is fitted
 #define PARALLAX_BEST 15 // degrees between two places' rays: more is no better
 #define PLANE 0.004      // median distance from one plane that is needed, of the points' distance
+#define STILL 0.2        // degrees that a camera which stays where it is leaves between rays at most
 #define FITTING 0.5      // share of a place's sightings that must lie where the others put them
 #define FAR 6            // times the median
 
@@ -37,8 +39,8 @@ static const FfpSighting *sighting_in(const FfpTracks *t, int track, int place) 
     return NULL;
 }
 
-static void ray_of(const FfpBundle *b, const double at[2], double ray[2]) {
-    const double focal = exp(b->optics[FFP_BUNDLE_CAMERA_FOCAL]);
+static void ray_of(const FfpBundle *b, int place, const double at[2], double ray[2]) {
+    const double focal = exp(b->optics[FFP_BUNDLE_CAMERA_FOCAL] + b->own[place][FFP_OWN_FOCAL]);
     const double x = (at[0] - 0.5 * b->tracks->width) / focal, y = (at[1] - 0.5 * b->tracks->height) / focal;
     const double lens[5] = {b->optics[FFP_BUNDLE_CAMERA_K1], b->optics[FFP_BUNDLE_CAMERA_K2]};
     if (!ffp_lens_undistort(lens, x, y, ray)) ray[0] = x, ray[1] = y;
@@ -63,8 +65,8 @@ static Common common_new(const FfpBundle *b, int first, int second, int most) {
     c.inside = ffp_alloc((size_t)c.n + 1, 1);
     for (int i = 0; i < c.n; i++) {
         const FfpSighting *a = sighting_in(t, c.tracks[i], first), *s = sighting_in(t, c.tracks[i], second);
-        ray_of(b, a->at, c.first + 2 * (size_t)i);
-        ray_of(b, s->at, c.second + 2 * (size_t)i);
+        ray_of(b, first, a->at, c.first + 2 * (size_t)i);
+        ray_of(b, second, s->at, c.second + 2 * (size_t)i);
     }
     return c;
 }
@@ -113,8 +115,17 @@ static bool relate(const FfpBundle *b, Common *c, FfpError *err) {
     return true;
 }
 
+typedef struct Tie { // of a place to the one with which it shares most
+    int other, n, inside;
+} Tie;
+
+static void keep_tie(Tie *tie, int other, const Common *c) {
+    if (c->n_inside > tie->inside || (c->n_inside == tie->inside && c->n > tie->n))
+        *tie = (Tie){other, c->n, c->n_inside};
+}
+
 // The two places that tell most: many points, seen from different sides.
-static bool best_pair(const FfpBundle *b, int pair[2], FfpError *err) {
+static bool best_pair(FfpBundle *b, int pair[2], Tie *ties, FfpError *err) {
     const int places = b->tracks->n_places, pairs = places * (places - 1) / 2;
     double best = 0;
     int index = 0;
@@ -127,6 +138,8 @@ static bool best_pair(const FfpBundle *b, int pair[2], FfpError *err) {
             const bool ok = relate(b, &c, err);
             const double score = c.n_inside * fmin(c.angle, PARALLAX_BEST) * (c.n_inside >= FITTING * c.n);
             if (ok && score > best) best = score, pair[0] = i, pair[1] = k;
+            keep_tie(&ties[i], k, &c);
+            keep_tie(&ties[k], i, &c);
             common_free(&c);
             if (!ok) return false;
             ffp_cancel_point();
@@ -134,119 +147,50 @@ static bool best_pair(const FfpBundle *b, int pair[2], FfpError *err) {
     return true;
 }
 
+// Why places without a problem of their own are not related to any other.
+static void explain_ties(const FfpTracks *t, const Tie *ties) {
+    for (int p = 0; p < t->n_places; p++) {
+        FfpCameraPlace *place = &t->places[p];
+        const Tie *tie = &ties[p];
+        const char *other = t->places[tie->other].name;
+        if (place->problem[0]) continue;
+        if (tie->n < COMMON_LEAST)
+            snprintf(place->problem, sizeof place->problem,
+                     "it sees at most %d spots of the panel that another place sees, too", tie->n);
+        else
+            snprintf(
+                place->problem, sizeof place->problem,
+                "of %d spots of the panel that '%.200s' sees, too, only %d fit any move of the camera "
+                "between the two: the projector, the scene or the camera moved during the photographs, or "
+                "these are of another order",
+                tie->n, other, tie->inside);
+    }
+}
+
 // --- The projector, from points. ---
 
-typedef struct Linear { // equations of a projection whose depth is 1 at the points' middle
-    int n;
-    const double *points, *panel; // [n,3] from the middle, in their spread; [n,2]
-    unsigned char *use;
-} Linear;
-
-static bool solve_linear(const Linear *l, double m[12]) {
-    double a[11 * 11] = {0}, c[11] = {0};
-    for (int i = 0; i < l->n; i++) {
-        const double *x = l->points + 3 * (size_t)i, *p = l->panel + 2 * (size_t)i;
-        if (!l->use[i]) continue;
-        for (int k = 0; k < 2; k++) { // (m_k x - p_k m_2 x) = 0
-            double row[11] = {0};
-            for (int j = 0; j < 3; j++) row[4 * k + j] = x[j], row[8 + j] = -p[k] * x[j];
-            row[4 * k + 3] = 1;
-            for (int r = 0; r < 11; r++) {
-                c[r] -= row[r] * p[k];
-                for (int s = 0; s < 11; s++) a[11 * r + s] += row[r] * row[s];
-            }
-        }
-    }
-    for (int r = 0; r < 11; r++) a[12 * r] *= 1 + 1e-12;
-    m[11] = 1;
-    return ffp_solve_positive(a, c, 11, m);
-}
-
-// Leaves out what lies far from where the equations put it; the median distance, in the panel's unit.
-static double leave_out(const Linear *l, const double m[12]) {
-    real *off = ffp_alloc((size_t)l->n + 1, sizeof *off), *sorted = ffp_alloc((size_t)l->n + 1, sizeof *off);
-    for (int i = 0; i < l->n; i++) {
-        double at[3];
-        for (int k = 0; k < 3; k++)
-            at[k] = ffp_dot(m + 4 * (size_t)k, l->points + 3 * (size_t)i) + m[4 * k + 3];
-        const double *p = l->panel + 2 * (size_t)i;
-        off[i] = sorted[i] = (real)fmin(hypot(at[0] / at[2] - p[0], at[1] / at[2] - p[1]), 1e6);
-    }
-    const double median = (double)ffp_median(sorted, (size_t)l->n);
-    for (int i = 0; i < l->n; i++) l->use[i] = (double)off[i] <= 4 * median;
-    ffp_free(off), ffp_free(sorted);
-    return median;
-}
-
-typedef struct Projector { // in the frame of the points
-    double focal, x, y;    // of the panel's unit
-    FfpRigid pose;         // points to projector
-    bool mirrored;
-} Projector;
-
-// Matrix, rotation and place out of a projection (Hartley and Zisserman 2004, section 6.2.4).
-static Projector take_apart(const double m[12]) {
-    Projector p;
-    double r[3][3], across[3], down[3];
-    memcpy(r[2], m + 8, sizeof r[2]);
-    const double scale = ffp_unit(r[2]);
-    p.x = ffp_dot(m, r[2]) / scale, p.y = ffp_dot(m + 4, r[2]) / scale;
-    for (int k = 0; k < 3; k++)
-        r[0][k] = m[k] / scale - p.x * r[2][k], r[1][k] = m[4 + k] / scale - p.y * r[2][k];
-    const double fx = ffp_unit(r[0]), fy = ffp_unit(r[1]);
-    p.focal = sqrt(fx * fy);
-    ffp_cross(r[2], r[0], down);
-    p.mirrored = ffp_dot(down, r[1]) < 0;
-    ffp_unit(down);
-    ffp_cross(down, r[2], across);
-    memcpy(p.pose.r, across, sizeof across), memcpy(p.pose.r + 3, down, sizeof down);
-    memcpy(p.pose.r + 6, r[2], sizeof r[2]);
-    const double z = 1 / scale;
-    p.pose.t[0] = (m[3] - p.x) * z / fx, p.pose.t[1] = (m[7] - p.y) * z / fy, p.pose.t[2] = z;
-    return p;
-}
-
-// The points' middle goes to 0 and their spread to 1.
-static void settle_points(double *points, int n, double middle[3], double *spread) {
-    double square = 0;
-    memset(middle, 0, 3 * sizeof *middle);
-    for (int i = 0; i < 3 * n; i++) middle[i % 3] += points[i] / n;
-    for (int i = 0; i < 3 * n; i++) square += pow(points[i] -= middle[i % 3], 2);
-    *spread = sqrt(square / n);
-    for (int i = 0; i < 3 * n; i++) points[i] /= *spread;
-}
-
 // The projector in the frame of the pair's first place.
-static bool find_projector(const FfpBundle *b, const Common *c, Projector *p) {
-    double *points = ffp_alloc((size_t)c->n, 3 * sizeof(double)), m[12], middle[3], spread, angle;
+static bool find_projector(const FfpBundle *b, const Common *c, FfpLinearDevice *p) {
+    double *points = ffp_alloc((size_t)c->n, 3 * sizeof(double)), angle;
     double *panel = ffp_alloc((size_t)c->n, 2 * sizeof(double));
-    Linear l = {.points = points, .panel = panel, .use = ffp_alloc((size_t)c->n, 1)};
+    unsigned char *use = ffp_alloc((size_t)c->n, 1);
     const double unit = b->tracks->panel_width;
+    int n = 0;
     for (int i = 0; i < c->n; i++) {
-        if (!c->inside[i] || !meet(c, i, points + 3 * (size_t)l.n, &angle)) continue;
+        if (!c->inside[i] || !meet(c, i, points + 3 * (size_t)n, &angle)) continue;
         const double *at = b->tracks->tracks[c->tracks[i]].panel;
-        panel[2 * (size_t)l.n] = at[0] / unit - 0.5;
-        panel[2 * (size_t)l.n + 1] = (at[1] - 0.5 * b->tracks->panel_height) / unit;
-        l.use[l.n++] = 1;
+        panel[2 * (size_t)n] = at[0] / unit - 0.5;
+        panel[2 * (size_t)n + 1] = (at[1] - 0.5 * b->tracks->panel_height) / unit;
+        use[n++] = 1;
     }
-    bool ok = l.n >= COMMON_LEAST / 2;
-    if (ok) settle_points(points, l.n, middle, &spread);
-    for (int round = 0; ok && round < 3; round++) {
-        ok = solve_linear(&l, m);
-        if (ok) leave_out(&l, m);
-    }
-    if (ok) {
-        *p = take_apart(m); // of points at (X - middle) / spread
-        for (int k = 0; k < 3; k++)
-            p->pose.t[k] = p->pose.t[k] * spread - ffp_dot(p->pose.r + 3 * (size_t)k, middle);
-    }
-    ffp_free(points), ffp_free(panel), ffp_free(l.use);
-    return ok && isfinite(p->focal);
+    const bool ok = n >= COMMON_LEAST / 2 && ffp_projection_find(points, panel, use, n, 3, p);
+    ffp_free(points), ffp_free(panel), ffp_free(use);
+    return ok;
 }
 
 // --- From the pair to all places. ---
 
-static void begin_with(FfpBundle *b, const int pair[2], const Common *c, const Projector *p) {
+static void begin_with(FfpBundle *b, const int pair[2], const Common *c, const FfpLinearDevice *p) {
     FfpRigid *first = &b->places[pair[0]], *second = &b->places[pair[1]];
     b->optics[FFP_BUNDLE_PROJECTOR_FOCAL] = log(p->focal * b->tracks->panel_width);
     b->optics[FFP_BUNDLE_PROJECTOR_X] = fmax(-0.2, fmin(0.2, p->x));
@@ -261,11 +205,43 @@ static int stride_of(const FfpBundle *b) {
     return b->tracks->n / SHORT_TRACKS + 1;
 }
 
+// By how much the two see things in different directions if one camera is turned like the other, degrees,
+// median: without a step between them an essential matrix says anything.
+static double shift_of(const Common *c) {
+    real *angles = ffp_alloc((size_t)c->n + 1, sizeof *angles);
+    double r[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    size_t n = 0;
+    for (int round = 0; round < TURNS; round++) {
+        double matrix[9] = {0}, vector[3] = {0}, by[3], turn[9], was[9];
+        n = 0;
+        for (int i = 0; i < c->n; i++) {
+            double a[3] = {c->first[2 * (size_t)i], c->first[2 * (size_t)i + 1], 1}, across[3], turned[3],
+                   seen[3] = {c->second[2 * (size_t)i], c->second[2 * (size_t)i + 1], 1};
+            if (!c->inside[i]) continue;
+            ffp_unit(a);
+            ffp_unit(seen);
+            for (int k = 0; k < 3; k++) turned[k] = ffp_dot(r + 3 * (ptrdiff_t)k, seen);
+            ffp_cross(turned, a, across);
+            angles[n++] = (real)(asin(fmin(1, sqrt(ffp_dot(across, across)))) * 180 / FFP_PI_DOUBLE);
+            for (int k = 0; k < 9; k++) matrix[k] += (k % 4 == 0) - turned[k / 3] * turned[k % 3];
+            for (int k = 0; k < 3; k++) vector[k] -= across[k];
+        }
+        if (!ffp_solve_positive(matrix, vector, 3, by)) break;
+        memcpy(was, r, sizeof was);
+        ffp_rotation_from_vector(by, turn);
+        ffp_rotation_product(turn, was, r);
+    }
+    const double median = n > 0 ? (double)ffp_median(angles, n) : 0;
+    ffp_free(angles);
+    return median;
+}
+
 // A pair and the projector with this focal length to begin with; false where that leads nowhere.
 static bool try_pair(FfpBundle *b, const int pair[2], bool *mirrored, bool *done, FfpError *err) {
     Common c = common_new(b, pair[0], pair[1], 4 * TRIED_TRACKS);
-    Projector projector;
+    FfpLinearDevice projector;
     bool ok = relate(b, &c, err);
+    if (ok) b->apart = shift_of(&c);
     *done = ok && c.n_inside >= COMMON_LEAST / 2 && find_projector(b, &c, &projector);
     if (*done) {
         *mirrored = projector.mirrored;
@@ -298,22 +274,30 @@ static double misfit(const FfpBundle *b) {
     return sum / fmax(1, n);
 }
 
+// Photographs of one place taken twice look as if they had no depth.
+static bool give_up(FfpBundle *b, FfpRuleId why) {
+    const bool near = why != FFP_RULE_CODES_MIRRORED && b->apart < STILL;
+    b->refused = near ? FFP_RULE_PLACES_NEAR : why;
+    return false;
+}
+
 // The bundle as it would be with each guess of the focal length; it keeps the one that fits best.
 static bool choose_focal(FfpBundle *b, const int pair[2], FfpError *err) {
     const size_t tracks = (size_t)b->tracks->n, sightings = (size_t)b->tracks->n_sightings;
-    double optics[FFP_BUNDLE_OPTICS], rms = 0, least = INFINITY;
+    double optics[FFP_BUNDLE_OPTICS], rms = 0, least = INFINITY, apart = 0, farthest = 0;
     bool *used = ffp_alloc(sightings + 1, sizeof *used), any = false, mirrored = false, done;
     FfpRigid poses[2];
-    for (int g = 0; g < (b->focal.deviation > 0 ? 1 : GUESSES); g++) {
+    for (int g = 0; g < (b->usual.focal.deviation > 0 ? 1 : GUESSES); g++) {
         for (size_t i = 0; i < sightings; i++) b->tracks->sightings[i].used = true;
         memset(b->nearness, 0, tracks * sizeof *b->nearness);
         memset(b->optics, 0, sizeof b->optics);
         b->optics[FFP_BUNDLE_CAMERA_FOCAL] =
-            b->focal.deviation > 0 ? b->focal.log : log(focal_guesses[g] * b->tracks->width);
+            b->usual.focal.deviation > 0 ? b->usual.focal.log : log(focal_guesses[g] * b->tracks->width);
         b->rms = 0;
         bool turned = false;
         if (!try_pair(b, pair, &turned, &done, err)) return ffp_free(used), false;
         mirrored = mirrored || turned;
+        farthest = fmax(farthest, b->apart);
         const double found = done && b->known[pair[0]] && b->known[pair[1]] ? misfit(b) : INFINITY;
         for (int k = 0; k < 2; k++) { // what one guess lost, the next may find
             b->known[pair[k]] = false;
@@ -321,11 +305,12 @@ static bool choose_focal(FfpBundle *b, const int pair[2], FfpError *err) {
         }
         if (!(found < least)) continue;
         least = found, any = true;
-        rms = b->rms;
+        rms = b->rms, apart = b->apart;
         memcpy(optics, b->optics, sizeof optics);
         for (int k = 0; k < 2; k++) poses[k] = b->places[pair[k]];
         for (size_t i = 0; i < sightings; i++) used[i] = b->tracks->sightings[i].used;
     }
+    b->apart = any ? apart : farthest;
     if (any) {
         b->rms = rms;
         memcpy(b->optics, optics, sizeof optics);
@@ -336,9 +321,7 @@ static bool choose_focal(FfpBundle *b, const int pair[2], FfpError *err) {
     }
     ffp_free(used);
     if (any) return true;
-    return ffp_fail(err, FFP_ERROR_FILE, NULL, "%s",
-                    mirrored ? FFP_MIRRORED_CODES
-                             : "no place of projector and camera explains the positions that the codes give");
+    return give_up(b, mirrored ? FFP_RULE_CODES_MIRRORED : FFP_RULE_PLACES_UNEXPLAINED);
 }
 
 // --- Every other place. ---
@@ -361,7 +344,7 @@ static bool add_place(FfpBundle *b, int place, FfpError *err) {
     for (int i = 0; i < room; i++) {
         const FfpSighting *s = sighting_in(b->tracks, i, place);
         if (!s || !ffp_bundle_point(b, i, points + 3 * (size_t)n)) continue;
-        ray_of(b, s->at, rays + 2 * (size_t)n++);
+        ray_of(b, place, s->at, rays + 2 * (size_t)n++);
     }
     if (n >= COMMON_LEAST) {
         FfpRigid *pose = &b->places[place];
@@ -401,43 +384,31 @@ static bool add_places(FfpBundle *b, FfpError *err) {
 
 // --- What cannot be solved. ---
 
-// How far half of the points lie from the plane that fits them best, as shares of their distance.
 static double off_plane(const FfpBundle *b) {
-    const size_t n = (size_t)b->tracks->n;
-    double a[9] = {0}, c[3] = {0}, normal[3], point[3];
-    real *off = ffp_alloc(n + 1, sizeof *off);
-    size_t found = 0;
-    for (size_t i = 0; i < n; i++) { // n . X = 1
-        if (!ffp_bundle_point(b, (int)i, point)) continue;
-        for (int r = 0; r < 3; r++) {
-            c[r] -= point[r];
-            for (int s = 0; s < 3; s++) a[3 * r + s] += point[r] * point[s];
-        }
-    }
-    const bool ok = ffp_solve_positive(a, c, 3, normal);
-    for (size_t i = 0; ok && i < n; i++)
-        if (ffp_bundle_point(b, (int)i, point)) off[found++] = (real)fabs(ffp_dot(normal, point) - 1);
-    const double median = found > 0 ? (double)ffp_median(off, found) : 0;
-    ffp_free(off);
-    return median;
+    double *points = ffp_alloc((size_t)b->tracks->n + 1, 3 * sizeof *points);
+    int n = 0;
+    for (int i = 0; i < b->tracks->n; i++) n += ffp_bundle_point(b, i, points + 3 * (size_t)n);
+    const double off = ffp_off_plane(points, n);
+    ffp_free(points);
+    return off;
 }
 
-static bool check_plane(const FfpBundle *b, FfpError *err) {
-    return off_plane(b) > PLANE || ffp_fail(err, FFP_ERROR_FILE, NULL,
-                                            "all that the camera sees lies on one plane, which leaves focal "
-                                            "lengths undetermined: put things "
-                                            "of different depth before the projector");
+static bool check_plane(FfpBundle *b) {
+    return off_plane(b) > PLANE || give_up(b, FFP_RULE_ONE_PLANE);
 }
 
 bool ffp_bundle_start(FfpBundle *b, FfpError *err) {
     int pair[2];
+    Tie ties[FFP_PLACES_MAX] = {{0}};
+    b->refused = 0;
+    for (int p = 0; p < b->tracks->n_places; p++) b->own[p][FFP_OWN_FOCAL] = ffp_bundle_expected(b, p);
     b->optics[FFP_BUNDLE_CAMERA_FOCAL] =
-        b->focal.deviation > 0 ? b->focal.log : log(focal_guesses[0] * b->tracks->width);
-    if (!best_pair(b, pair, err)) return false;
-    if (pair[0] < 0)
-        return ffp_fail(
-            err, FFP_ERROR_FILE, NULL,
-            "no two places of the camera see enough of the same: the projector or the scene moved between "
-            "them, or they are too far apart");
-    return choose_focal(b, pair, err) && check_plane(b, err) && add_places(b, err);
+        b->usual.focal.deviation > 0 ? b->usual.focal.log : log(focal_guesses[0] * b->tracks->width);
+    if (!best_pair(b, pair, ties, err)) return false;
+    if (pair[0] < 0) {
+        b->refused = FFP_RULE_PLACES_UNRELATED;
+        explain_ties(b->tracks, ties);
+        return false;
+    }
+    return choose_focal(b, pair, err) && check_plane(b) && add_places(b, err);
 }

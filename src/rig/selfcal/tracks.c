@@ -147,6 +147,23 @@ void ffp_tracks_find(FfpTracks *tracks, const FfpImage *maps, const FfpImage *wh
     ffp_free(grid.spots);
 }
 
+double ffp_tracks_noise(const FfpTracks *t, const void *fit,
+                        bool (*miss)(const void *fit, int track, int place, double off[2])) {
+    double sum = 0;
+    int n = 0;
+    for (int cell = 0; cell + 1 < t->columns * t->rows; cell++) {
+        const int first = t->grid[cell], second = t->grid[cell + 1];
+        if (first < 0 || second < 0 || (cell + 1) % t->columns == 0) continue;
+        for (int p = 0; p < t->n_places; p++) {
+            double a[2], b[2];
+            if (!miss(fit, first, p, a) || !miss(fit, second, p, b)) continue;
+            sum += 0.5 * (pow(a[0] - b[0], 2) + pow(a[1] - b[1], 2));
+            n++;
+        }
+    }
+    return n > 0 ? sqrt(sum / n) : 0;
+}
+
 void ffp_tracks_free(FfpTracks *tracks) {
     ffp_free(tracks->places), ffp_free(tracks->tracks), ffp_free(tracks->sightings);
     ffp_free(tracks->grid);

@@ -85,6 +85,7 @@ void ffp_turning_drop_still(FfpTurning *t) {
 
 typedef struct Tried {
     FfpDevices devices;
+    FfpBundleDevice cameras[FFP_PLACES_MAX]; // one and the same
     FfpRigid camera, places[FFP_PLACES_MAX];
     bool known[FFP_PLACES_MAX];
     FfpRigid turns[FFP_PLACES_MAX][FFP_TURNING_NEXT]; // from each stop to the next ones, camera's frame
@@ -113,9 +114,14 @@ static void set_turns(const FfpTurning *t, const FfpAxis *axis, const double *of
 static void arrange(const FfpTurning *t, const double *optics, const FfpRigid *camera, const FfpAxis *axis,
                     const double *off, Tried *out) {
     out->camera = *camera;
-    for (int p = 0; p < t->tracks->n_places; p++) out->places[p] = *camera, out->known[p] = true;
-    out->devices = (FfpDevices){ffp_bundle_camera(t->tracks, optics), ffp_bundle_projector(t->tracks, optics),
-                                out->places, out->known};
+    const FfpBundleDevice one = ffp_bundle_camera(t->tracks, optics);
+    for (int p = 0; p < t->tracks->n_places; p++) {
+        out->cameras[p] = one;
+        out->places[p] = *camera;
+        out->known[p] = true;
+    }
+    out->devices =
+        (FfpDevices){out->cameras, ffp_bundle_projector(t->tracks, optics), out->places, out->known};
     set_turns(t, axis, off, out);
 }
 
@@ -128,7 +134,7 @@ static bool turn_on(const Tried *tried, const FfpRigid *turn, const double point
     for (int k = 0; k < 3; k++)
         lit[k] = tried->camera.r[k] * from[0] + tried->camera.r[3 + k] * from[1] +
                  tried->camera.r[6 + k] * from[2];
-    return ffp_bundle_pixel(&tried->devices.camera, turned, seen) &&
+    return ffp_bundle_pixel(&tried->cameras[0], turned, seen) &&
            ffp_bundle_pixel(&tried->devices.projector, lit, panel);
 }
 
@@ -326,7 +332,7 @@ static void differences(const void *state, const double *by, double *out) {
                 miss(t, fit->met[i][k], panel, seen, at + 2 + 2 * (ptrdiff_t)k);
     }
     double *priors = out + EACH * (size_t)fit->n;
-    ffp_optics_unusual(optics, &t->focal, fit->firm, sqrt(ffp_dot(camera.t, camera.t)), priors);
+    ffp_optics_unusual(optics, &t->usual, fit->firm, sqrt(ffp_dot(camera.t, camera.t)), priors);
     for (int p = 1; p < t->tracks->n_places && ANGLES < fit->numbers; p++)
         priors[FFP_BUNDLE_PRIORS + p - 1] = fit->firm * off[p] / t->angles_known;
 }
@@ -421,6 +427,52 @@ static void keep_deviations(const Fit *fit, const double *covariance) {
     t->shift = apart * sqrt(fmax(c[(n + 1) * FFP_AXIS_SIDEWAYS], c[(n + 1) * FFP_AXIS_DISTANCE]));
 }
 
+typedef struct SeenAsIs {
+    const FfpTurning *turning;
+    Tried tried;
+} SeenAsIs;
+
+static bool miss_alone(const void *state, int index, double off[2]) {
+    const SeenAsIs *as_is = state;
+    const FfpTurning *t = as_is->turning;
+    double ray[3], point[3];
+    return t->tracks->sightings[index].used && t->nearness[index] > 0 &&
+           light(t, &as_is->tried.devices.projector, index, ray) &&
+           solve(t, &as_is->tried, index, ray, point, off) > 0;
+}
+
+static bool miss_at(const void *state, int track, int place, double off[2]) {
+    const FfpTracks *t = ((const SeenAsIs *)state)->turning->tracks;
+    for (int k = 0; k < t->tracks[track].n; k++)
+        if (t->sightings[t->tracks[track].first + k].place == place)
+            return miss_alone(state, t->tracks[track].first + k, off);
+    return false;
+}
+
+void ffp_turning_stop_errors(const FfpTurning *t, double *errors) {
+    const FfpTracks *tracks = t->tracks;
+    SeenAsIs as_is = {.turning = t};
+    real *found = ffp_alloc((size_t)tracks->n_sightings + 1, sizeof *found);
+    try_as_is(t, &as_is.tried);
+    for (int p = 0; p < tracks->n_places; p++) {
+        size_t n = 0;
+        for (int i = 0; i < tracks->n_sightings; i++) {
+            double off[2];
+            if (tracks->sightings[i].place == p && miss_alone(&as_is, i, off))
+                found[n++] = (real)hypot(off[0], off[1]);
+        }
+        errors[p] = n > 0 ? (double)ffp_median(found, n) : -1;
+    }
+    ffp_free(found);
+}
+
+static void measure_noise(FfpTurning *t) {
+    SeenAsIs as_is = {.turning = t};
+    ffp_turning_triangulate(t, 1);
+    try_as_is(t, &as_is.tried);
+    t->noise = ffp_tracks_noise(t->tracks, &as_is, miss_at);
+}
+
 // Root mean square of the sightings, and the median of what was turned.
 static void measure(const Fit *fit) {
     FfpTurning *t = fit->turning;
@@ -450,14 +502,17 @@ void ffp_turning_fit(FfpTurning *t, int stride, double scale, int steps, bool de
     ffp_least_squares(&(FfpLeastSquares){.state = &fit,
                                          .numbers = fit.numbers,
                                          .count = fit.count,
+                                         .solved = fit.n,
                                          .differences = differences,
                                          .move = move,
                                          .weigh = weigh,
                                          .step = step,
                                          .steps = steps,
-                                         .worth = WORTH},
+                                         .worth = WORTH,
+                                         .end = deviations ? &t->end : NULL},
                       covariance);
     if (deviations) keep_deviations(&fit, covariance);
     measure(&fit);
+    if (deviations) measure_noise(t);
     ffp_free(covariance), ffp_free(step), ffp_free(fit.sightings), ffp_free(fit.rays), ffp_free(fit.met);
 }

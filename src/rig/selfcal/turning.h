@@ -5,6 +5,7 @@
 #ifndef FFP_SELFCAL_TURNING_H
 #define FFP_SELFCAL_TURNING_H
 
+#include "core/numerics/least_squares.h"
 #include "rig/selfcal/devices.h"
 #include "rig/turntable/axis.h"
 
@@ -21,11 +22,12 @@ typedef struct FfpTurning {
     double optics[FFP_BUNDLE_OPTICS];
     FfpRigid camera; // the projector's frame to the camera's; the distance between them is the unit
     FfpAxis axis;    // in the camera's frame
-    FfpKnownFocal focal;
+    FfpUsual usual;
     int *track;                    // [n_sightings]
     double *nearness;              // [n_sightings] 1 / z along the projector's ray; 0: none
     int (*next)[FFP_TURNING_NEXT]; // [n_places] the stops that a stop's points are turned to; -1: none
-    double rms;                    // of the sightings in their pixels
+    FfpFitEnd end;                 // why the last fit that was judged ended
+    double rms, noise;             // of the sightings in their pixels; of it what neighbours do not share
     double surface;                // median distance of what was turned from where it is seen, pixels
     double deviation[FFP_BUNDLE_OPTICS + 6]; // of the optics and of the camera's turn and place
     double tilt, shift; // standard deviations of the axis: direction, radians; place, share of its distance
@@ -62,6 +64,10 @@ double ffp_turning_likeness(const FfpTurning *turning, double far);
 // shares [n_places]: of the points that a stop exchanges with others, how many lie within `far` pixels of
 // where they are seen; -1: it exchanges none.
 void ffp_turning_agreement(const FfpTurning *turning, double far, double *shares);
+
+// errors [n_places]: the median distance of a stop's sightings, each alone, from where camera and projector
+// together can see a point; -1: it has none.
+void ffp_turning_stop_errors(const FfpTurning *turning, double *errors);
 
 // Fits devices, axis and, where they may be off, angles to every `stride`-th sighting.
 void ffp_turning_fit(FfpTurning *turning, int stride, double scale, int steps, bool deviations);

@@ -8,6 +8,7 @@
 #include "core/base/call.h"
 #include "core/base/log.h"
 #include "core/numerics/rank.h"
+#include "rig/findings/tell.h"
 #include "rig/selfcal/turning.h"
 
 enum { POINTS = 200, PAIRS = 1500, MOVING_LEAST = 200, DIRECTIONS = 160, ARRANGEMENTS = 12, SHORT = 500 };
@@ -49,8 +50,8 @@ typedef struct Arrangement {
 static void set_optics(const FfpTurning *t, int guess, double optics[FFP_BUNDLE_OPTICS]) {
     memset(optics, 0, FFP_BUNDLE_OPTICS * sizeof *optics);
     optics[FFP_BUNDLE_CAMERA_FOCAL] =
-        t->focal.deviation > 0 ? t->focal.log
-                               : log(camera_guesses[guess / (PROJECTORS * SHIFTS)] * t->tracks->width);
+        t->usual.focal.deviation > 0 ? t->usual.focal.log
+                                     : log(camera_guesses[guess / (PROJECTORS * SHIFTS)] * t->tracks->width);
     optics[FFP_BUNDLE_PROJECTOR_FOCAL] =
         log(projector_guesses[guess / SHIFTS % PROJECTORS] * t->tracks->panel_width);
     optics[FFP_BUNDLE_PROJECTOR_Y] = shift_guesses[guess % SHIFTS];
@@ -95,7 +96,7 @@ static int choose(const FfpTurning *t, int most, int *out) {
 // The optics that explain most, best first; their number.
 static int arrange_all(const FfpTurning *t, Arrangement out[GUESSES], FfpError *err) {
     int *sightings = ffp_alloc(PAIRS, sizeof *sightings), n = choose(t, PAIRS, sightings), found = 0;
-    const int guesses = t->focal.deviation > 0 ? PROJECTORS * SHIFTS : GUESSES;
+    const int guesses = t->usual.focal.deviation > 0 ? PROJECTORS * SHIFTS : GUESSES;
     bool ok = true;
     for (int g = 0; ok && g < guesses; g++) {
         Arrangement a;
@@ -360,10 +361,10 @@ static bool search(FfpTurning *t, bool *found, bool *unclear, FfpError *err) {
 
 // A lens that is known is held at first, and forgotten where that leads to nothing.
 static bool search_by_lens(FfpTurning *t, bool *found, bool *unclear, FfpError *err) {
-    const double deviation = t->focal.deviation;
-    if (deviation > 0) t->focal.deviation = FFP_FOCAL_HELD;
+    const double deviation = t->usual.focal.deviation;
+    if (deviation > 0) t->usual.focal.deviation = FFP_FOCAL_HELD;
     bool ok = search(t, found, unclear, err);
-    t->focal.deviation = ok && *found ? deviation : 0;
+    t->usual.focal.deviation = ok && *found ? deviation : 0;
     return !ok || *found || !(deviation > 0) ? ok : search(t, found, unclear, err);
 }
 
@@ -380,37 +381,23 @@ static bool fail_to_turn(FfpTurning *t, FfpError *err) {
     mirror(t->tracks);
     const bool ok = search(t, &mirrored, &unclear, err);
     mirror(t->tracks);
-    if (ok && mirrored) ffp_fail(err, FFP_ERROR_FILE, NULL, "%s", FFP_MIRRORED_CODES);
-    if (ok && !mirrored)
-        ffp_fail(err, FFP_ERROR_FILE, NULL,
-                 "no axis turns what one stop shows into what the next one shows: check the angles and the "
-                 "order of the stops; camera and projector must stand still between them");
-    return false;
+    return ok && ffp_refuse(mirrored ? FFP_RULE_CODES_MIRRORED : FFP_RULE_STOPS_UNTURNED, &(FfpFacts){0},
+                            NULL, err);
 }
 
 bool ffp_turning_check_parallax(const FfpTurning *t, double least, FfpError *err) {
     const double parallax = ffp_turning_parallax(t);
     return parallax >= least ||
-           ffp_fail(err, FFP_ERROR_FILE, NULL,
-                    "projector and camera are too near to each other for what they see (%.1f degrees between "
-                    "their rays): move the projector farther from the camera",
-                    parallax);
+           ffp_refuse(FFP_RULE_DEVICES_NEAR, &(FfpFacts){.figure = parallax, .limit = least}, NULL, err);
 }
 
 bool ffp_turning_start(FfpTurning *t, FfpError *err) {
     const int moving = count_moving(t);
     bool found, unclear;
-    if (moving < MOVING_LEAST)
-        return ffp_fail(
-            err, FFP_ERROR_FILE, NULL,
-            "only %d spots of the panel fall on something that looks different from stop to stop: "
-            "put an object on the turntable that is not round about its axis, well lit",
-            moving);
+    if (moving < MOVING_LEAST) return ffp_refuse(FFP_RULE_STOPS_ALIKE, &(FfpFacts){.x = moving}, NULL, err);
     if (!search_by_lens(t, &found, &unclear, err)) return false;
     if (!found) return fail_to_turn(t, err);
     if (!unclear) return true;
-    if (!ffp_turning_check_parallax(t, FFP_PARALLAX_CLEAR, err)) return false;
-    return ffp_fail(err, FFP_ERROR_FILE, NULL,
-                    "the object looks the same about several axes: put something with corners, or several "
-                    "things, on the turntable");
+    return ffp_turning_check_parallax(t, FFP_PARALLAX_CLEAR, err) &&
+           ffp_refuse(FFP_RULE_AXES_SEVERAL, &(FfpFacts){0}, NULL, err);
 }

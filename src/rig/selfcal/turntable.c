@@ -18,6 +18,8 @@ enum { STOPS_LEAST = 3, ROUNDS = 8, ROUNDS_HELD = 2, STEPS = 8, FEW_SIGHTINGS = 
 #define SCALE_LEAST 0.5 // pixels
 #define SCALE_MEDIANS 3.0
 #define AGREES_LEAST 0.4 // of what the median stop has, of a stop's points that are seen where they turn to
+#define ERRS 3.0         // times the others' errors, and
+#define ERRS_LEAST 0.25  // pixels: camera and projector do not see alike
 #define STILL 0.7        // pixels within which a spot is where it was
 #define STILL_SHARE 0.8  // of the spots that two stops see: between these nothing turned
 #define SPOTS_LEAST 50   // that two stops must both see to tell
@@ -75,11 +77,11 @@ static void restore(FfpTurning *t, const Fitted *f) {
 
 // Fits with the focal length held at first, to keep what lies beyond the nearest bottom of the valley.
 static Fitted fit_from(FfpTurning *t, const Fitted *start, double log_focal) {
-    const FfpKnownFocal known = t->focal;
+    const FfpKnownFocal known = t->usual.focal;
     restore(t, start);
-    t->focal = (FfpKnownFocal){log_focal, FFP_FOCAL_HELD};
+    t->usual.focal = (FfpKnownFocal){log_focal, FFP_FOCAL_HELD};
     settle(t, ROUNDS_HELD);
-    t->focal = known;
+    t->usual.focal = known;
     settle(t, ROUNDS);
     return keep(t);
 }
@@ -105,24 +107,40 @@ static void fit_best(FfpTurning *t) {
 
 // --- Stops. ---
 
+// The median of what stops have; below 0: they have none.
+static double usual_of(const double *values, int stops) {
+    real sorted[FFP_PLACES_MAX];
+    size_t n = 0;
+    for (int p = 0; p < stops; p++)
+        if (values[p] >= 0) sorted[n++] = (real)values[p];
+    return n > 0 ? (double)ffp_median(sorted, n) : 0;
+}
+
+// Where camera and projector themselves do not see alike at a stop, what it saw is of another rig.
+static void drop_sightings(const FfpTracks *t, int stop) {
+    for (int i = 0; i < t->n_sightings; i++)
+        if (t->sightings[i].place == stop) t->sightings[i].used = false;
+}
+
 // Leaves out stops whose surface is not where the others turn to; true if there are any.
 static bool drop_stops(FfpTurning *t) {
     const FfpTracks *tracks = t->tracks;
-    double shares[FFP_PLACES_MAX];
-    real sorted[FFP_PLACES_MAX];
-    size_t n = 0;
+    double shares[FFP_PLACES_MAX], errors[FFP_PLACES_MAX];
     ffp_turning_agreement(t, fmax(SCALE_MEDIANS * t->surface, SCALE_LEAST), shares);
-    for (int p = 0; p < tracks->n_places; p++)
-        if (shares[p] >= 0) sorted[n++] = (real)shares[p];
-    const double usual = n > 0 ? (double)ffp_median(sorted, n) : 0;
+    ffp_turning_triangulate(t, 1);
+    ffp_turning_stop_errors(t, errors);
+    const double usual = usual_of(shares, tracks->n_places), error = usual_of(errors, tracks->n_places);
     bool any = false;
     for (int p = 0; p < tracks->n_places; p++) {
         if (shares[p] < 0 || shares[p] >= AGREES_LEAST * usual) continue;
+        const bool rig_moved = errors[p] > fmax(ERRS * error, ERRS_LEAST);
         any = true;
+        if (rig_moved) drop_sightings(tracks, p);
         snprintf(tracks->places[p].problem, sizeof tracks->places[p].problem,
-                 "of what it and the stops beside it see, %.0f %% agree, and elsewhere %.0f %%: its angle is "
-                 "another, or the object, the camera or the projector moved",
-                 100 * shares[p], 100 * usual);
+                 "of what it and the stops beside it see, %.0f %% agree, and elsewhere %.0f %%: %s",
+                 100 * shares[p], 100 * usual,
+                 rig_moved ? "the camera or the projector moved, was zoomed or focused again"
+                           : "its angle is another, or the object moved");
     }
     if (any) ffp_turning_set_stops(t);
     return any;
@@ -169,13 +187,9 @@ static int stops_used(const FfpTracks *t) {
 }
 
 static bool check_stops(const FfpTracks *t, FfpError *err) {
-    for (int p = 0; p < t->n_places; p++)
-        if (t->places[p].problem[0])
-            ffp_tell(FFP_RULE_STOP_LEFT_OUT,
-                     &(FfpFacts){.view = t->places[p].name, .a = t->places[p].problem});
-    return stops_used(t) >= STOPS_LEAST ||
-           ffp_fail(err, FFP_ERROR_FILE, NULL, "fewer than %d stops of the turntable can be used",
-                    STOPS_LEAST);
+    const int used = stops_used(t);
+    return used >= STOPS_LEAST ||
+           ffp_places_refuse_few(t, used, STOPS_LEAST, "stops of the turntable can be used", err);
 }
 
 // Angles that are farther off than a hand turns wrongly may belong to another way round.
@@ -184,13 +198,25 @@ static bool check_angles(const FfpTurning *t, FfpError *err) {
         const double off = t->off[p] * 180 / FFP_PI_DOUBLE;
         if (t->tracks->places[p].problem[0] == 0 && fabs(off) > ANGLES_MOST)
             return ffp_turning_check_parallax(t, FFP_PARALLAX_CLEAR, err) &&
-                   ffp_fail(
-                       err, FFP_ERROR_FILE, NULL,
-                       "the stop '%s' turned by %.1f degrees from the angle given: give the angles by which "
-                       "the object turned, to a few degrees (8 stops all the way round are 8x45)",
-                       t->tracks->places[p].name, fabs(off));
+                   ffp_refuse(FFP_RULE_STOP_ANGLE,
+                              &(FfpFacts){.view = t->tracks->places[p].name,
+                                          .figure = fabs(off),
+                                          .limit = ANGLES_MOST},
+                              NULL, err);
     }
     return true;
+}
+
+// With aspect and skew of the panel free, which stay so if they are certain.
+static void try_panel(FfpTurning *t) {
+    FfpTurning square = *t;
+    const Fitted fitted = keep(t);
+    t->usual.panel = FFP_PANEL_WIDE;
+    fit_well(t);
+    if (ffp_panel_unsquare(t->optics, t->deviation)) return;
+    restore(&square, &fitted);
+    *t = square;
+    ffp_turning_triangulate(t, 1);
 }
 
 // Up in the picture.
@@ -225,32 +251,52 @@ static bool find(FfpTurning *t, FfpError *err) {
     return true;
 }
 
-bool ffp_self_calibration_turn(FfpTurning *t, FfpError *err) {
+// A lens that the photographs contradict is not believed, unless they hardly tell.
+static bool find_without(FfpTurning *t, const FfpKnownFocal *lens, FfpError *err) {
+    const double *focal = &t->optics[FFP_BUNDLE_CAMERA_FOCAL];
+    t->usual.focal.deviation = 0;
+    if (!find(t, err)) return false;
+    if (ffp_focal_contradicts(lens, *focal, t->deviation[FFP_BUNDLE_CAMERA_FOCAL])) {
+        ffp_tell_known_focal(lens, *focal);
+        return true;
+    }
+    t->usual.focal = *lens;
+    return find(t, err);
+}
+
+static bool turn(FfpTurning *t, FfpError *err) {
     drop_twins(t->tracks);
     ffp_turning_set_stops(t);
     ffp_turning_drop_still(t);
-    if (stops_used(t->tracks) < STOPS_LEAST) return check_stops(t->tracks, err);
-    if (!find(t, err)) return false;
-    const FfpKnownFocal lens = t->focal;
-    if (ffp_judge_known_focal(&t->focal, t->optics[FFP_BUNDLE_CAMERA_FOCAL])) {
-        if (!find(t, err)) return false;
-        ffp_tell_known_focal(&lens, t->optics[FFP_BUNDLE_CAMERA_FOCAL]);
-    }
-    if (drop_stops(t) && stops_used(t->tracks) >= STOPS_LEAST) fit_well(t);
-    if (!check_stops(t->tracks, err) || !ffp_turning_check_parallax(t, FFP_PARALLAX_LEAST, err) ||
-        !check_angles(t, err))
+    if (!check_stops(t->tracks, err) || !find(t, err)) return false;
+    const FfpKnownFocal lens = t->usual.focal;
+    if (ffp_focal_contradicts(&lens, t->optics[FFP_BUNDLE_CAMERA_FOCAL], 0) && !find_without(t, &lens, err))
         return false;
+    if (drop_stops(t) && stops_used(t->tracks) >= STOPS_LEAST) fit_well(t);
+    if (!check_stops(t->tracks, err)) return false;
+    try_panel(t);
+    if (!ffp_turning_check_parallax(t, FFP_PARALLAX_LEAST, err) || !check_angles(t, err)) return false;
     orient(t);
     settle_point(t);
-    if (!(t->tilt * 180 / FFP_PI_DOUBLE < TILT_OPEN))
-        return ffp_fail(err, FFP_ERROR_FILE, NULL,
-                        "the photographs do not determine the turntable's axis (uncertain by %.2g degrees): "
-                        "the object looks nearly the same about many axes, or the stops are too few",
-                        fmin(t->tilt * 180 / FFP_PI_DOUBLE, 180));
-    return ffp_judge_focal(t->optics[FFP_BUNDLE_CAMERA_FOCAL], t->deviation[FFP_BUNDLE_CAMERA_FOCAL],
-                           "camera", FFP_RULE_STOPS_FOCAL, err) &&
-           ffp_judge_focal(t->optics[FFP_BUNDLE_PROJECTOR_FOCAL], t->deviation[FFP_BUNDLE_PROJECTOR_FOCAL],
-                           "projector", FFP_RULE_STOPS_FOCAL, err);
+    const double tilt = t->tilt * 180 / FFP_PI_DOUBLE;
+    if (!(tilt < TILT_OPEN))
+        return ffp_refuse(FFP_RULE_STOPS_AXIS_OPEN,
+                          &(FfpFacts){.figure = fmin(tilt, 180), .limit = TILT_OPEN}, NULL, err);
+    ffp_tell_end(t->end);
+    ffp_tell_misfit(t->rms, t->noise, FFP_RULE_STOPS_MISFIT);
+    return ffp_judge_panel(t->optics, t->deviation, err) &&
+           ffp_judge_focal(t->deviation[FFP_BUNDLE_CAMERA_FOCAL], "camera", FFP_RULE_STOPS_FOCAL, err) &&
+           ffp_judge_focal(t->deviation[FFP_BUNDLE_PROJECTOR_FOCAL], "projector", FFP_RULE_STOPS_FOCAL, err);
+}
+
+bool ffp_self_calibration_turn(FfpTurning *t, FfpError *err) {
+    const bool ok = turn(t, err);
+    for (int p = 0; p < t->tracks->n_places; p++) {
+        const FfpCameraPlace *stop = &t->tracks->places[p];
+        if (stop->problem[0])
+            ffp_tell(FFP_RULE_STOP_LEFT_OUT, &(FfpFacts){.view = stop->name, .a = stop->problem});
+    }
+    return ok;
 }
 
 // --- Files. ---
@@ -337,7 +383,7 @@ bool ffp_self_calibration_turntable(const FfpSelfCalibration *o, FfpTracks *trac
     double *radians = ffp_alloc((size_t)o->n_angles, sizeof *radians);
     for (int i = 0; i < o->n_angles; i++) radians[i] = o->angles[i] * FFP_PI_DOUBLE / 180;
     FfpTurning t = ffp_turning_new(tracks, radians);
-    t.focal = ffp_known_focal(o->focal_35mm, tracks);
+    t.usual.focal = ffp_known_focal(o->focal_35mm, tracks);
     const bool ok = ffp_self_calibration_turn(&t, err) && write(&t, o, err);
     if (ok && stats) fill(&t, o, stats);
     ffp_turning_free(&t);

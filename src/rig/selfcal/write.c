@@ -6,7 +6,7 @@
 #include "rig/optics/colmap_write.h"
 #include "rig/selfcal/selfcal.h"
 
-enum { DEVICES = 2, NAME = 300 };
+enum { NAME = 300 };
 
 typedef struct World { // the first known place's camera
     FfpRigid from;     // the projector's frame to it
@@ -34,12 +34,22 @@ static FfpOptics optics_of(const FfpBundleDevice *d, int width, int height) {
     return optics;
 }
 
-static void set_devices(const FfpBundle *b, FfpOptics devices[DEVICES]) {
+// Places may have cameras of their own.
+static bool has_own(const FfpBundle *b) {
+    return b->own_usual[FFP_OWN_X] > 0;
+}
+
+// The camera, or that of each known place, and the projector; their number.
+static int set_devices(const FfpBundle *b, FfpOptics *devices) {
     const FfpTracks *t = b->tracks;
-    const FfpBundleDevice camera = ffp_bundle_camera(t, b->optics),
-                          projector = ffp_bundle_projector(t, b->optics);
-    devices[0] = optics_of(&camera, t->width, t->height);
-    devices[1] = optics_of(&projector, t->panel_width, t->panel_height);
+    const FfpBundleDevice projector = ffp_bundle_projector(t, b->optics);
+    int n = 0;
+    for (int p = 0; p < t->n_places && (has_own(b) || n == 0); p++) {
+        const FfpBundleDevice camera = ffp_bundle_camera_at(t, b->optics, b->own[p]);
+        if (b->known[p]) devices[n++] = optics_of(&camera, t->width, t->height);
+    }
+    devices[n] = optics_of(&projector, t->panel_width, t->panel_height);
+    return n + 1;
 }
 
 // A picture for each known place, and the projector's; their number.
@@ -49,10 +59,10 @@ static int set_images(const FfpBundle *b, const World *world, FfpColmapImage *im
     for (int p = 0; p < b->tracks->n_places; p++) {
         if (!b->known[p]) continue;
         snprintf(names[n], NAME, "%s.jpg", ffp_basename(b->tracks->places[p].name));
-        images[n] = (FfpColmapImage){names[n], 0, in_world(world, &b->places[p])};
+        images[n] = (FfpColmapImage){names[n], has_own(b) ? n : 0, in_world(world, &b->places[p])};
         n++;
     }
-    images[n] = (FfpColmapImage){"calib.jpg", 1, in_world(world, &itself)};
+    images[n] = (FfpColmapImage){"calib.jpg", has_own(b) ? n : 1, in_world(world, &itself)};
     return n + 1;
 }
 
@@ -90,15 +100,14 @@ static size_t set_points(const FfpBundle *b, const World *world, FfpColmapPoint 
 
 bool ffp_self_calibration_write(const FfpBundle *b, double scale, const char *folder, FfpError *err) {
     const World world = world_of(b, scale);
-    FfpOptics devices[DEVICES];
+    FfpOptics devices[FFP_PLACES_MAX + 1];
     FfpColmapImage images[FFP_PLACES_MAX + 1];
     char(*names)[NAME] = ffp_alloc(FFP_PLACES_MAX, sizeof *names);
     FfpColmapPoint *points = ffp_alloc((size_t)b->tracks->n + 1, sizeof *points);
-    set_devices(b, devices);
     const FfpColmapModel model = {.cameras = devices,
                                   .images = images,
                                   .points = points,
-                                  .n_cameras = DEVICES,
+                                  .n_cameras = set_devices(b, devices),
                                   .n_images = set_images(b, &world, images, names),
                                   .n_points = set_points(b, &world, points)};
     FfpOutput out;

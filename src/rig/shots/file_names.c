@@ -39,8 +39,7 @@ int ffp_compare_paths(const void *a, const void *b) {
 
 // --- What cameras do to names. ---
 
-// The last number in a file's name and how many digits it has; -1: none.
-static long last_number(const char *path, int *digits) {
+long ffp_last_number(const char *path, int *digits) {
     const char *base = ffp_basename(path), *dot = strrchr(base, '.');
     const char *end = dot ? dot : base + strlen(base);
     while (end > base && !isdigit((unsigned char)end[-1])) end--;
@@ -53,9 +52,9 @@ static long last_number(const char *path, int *digits) {
 void ffp_unwrap_numbers(const char **paths, int n) {
     int gaps = 0, gap = 0, digits;
     long before = -1, after = 1000;
-    if (n < 3 || last_number(paths[0], &digits) > 1) return;
+    if (n < 3 || ffp_last_number(paths[0], &digits) > 1) return;
     for (int i = 0; i < n; i++) {
-        const long number = last_number(paths[i], &digits);
+        const long number = ffp_last_number(paths[i], &digits);
         if (number < 0) return;
         if (i > 0 && number != before + 1) gaps++, gap = i;
         before = number;
@@ -68,6 +67,22 @@ void ffp_unwrap_numbers(const char **paths, int n) {
     ffp_free(held);
     ffp_tell(FFP_RULE_NUMBERS_WRAP,
              &(FfpFacts){.a = ffp_basename(paths[n - gap - 1]), .b = ffp_basename(paths[n - gap])});
+}
+
+int ffp_find_gap(const char *const *paths, int n, int *count) {
+    int first = -1, digits;
+    long before = -1;
+    *count = 0;
+    for (int i = 0; i < n; i++) {
+        const long number = ffp_last_number(paths[i], &digits);
+        if (number < 0 || (i > 0 && number <= before)) return -1;
+        if (i > 0 && number > before + 1) {
+            if (first < 0) first = i;
+            *count += (int)(number - before - 1);
+        }
+        before = number;
+    }
+    return first;
 }
 
 int ffp_find_twins(const char *const *paths, int n, int *count) {
@@ -202,12 +217,12 @@ static bool place_some(const char **paths, FfpArena *arena, const FfpFileSet *se
                        char *const *found, size_t n) {
     const bool whole_view = set->gaps && part->count == set->n_names && part->stride == 1;
     int digits;
-    const long first = n > 0 ? last_number(found[0], &digits) : -1,
-               last = n > 0 ? last_number(found[n - 1], &digits) : -1;
+    const long first = n > 0 ? ffp_last_number(found[0], &digits) : -1,
+               last = n > 0 ? ffp_last_number(found[n - 1], &digits) : -1;
     if (!whole_view || first < 0 || last - first + 1 > part->count || (int)n > part->count) return false;
     const int apart = 2 * (int)n == part->count && last - first + 1 == (int)n ? 2 : 1;
     for (size_t i = 0; i < n; i++) {
-        const long at = apart * (last_number(found[i], &digits) - first);
+        const long at = apart * (ffp_last_number(found[i], &digits) - first);
         if (at < 0 || at >= part->count || paths[part->at + at]) return false;
         paths[part->at + at] = ffp_arena_text(arena, found[i]);
     }
@@ -308,6 +323,64 @@ bool ffp_files_find(const char **paths, FfpArena *arena, const FfpFileSet *set, 
         FfpFileSet whole = *set; // more than gaps: the error that names a file
         whole.gaps = false;
         return find_all(paths, arena, &whole, err);
+    }
+    return true;
+}
+
+// --- Of views, whatever their number. ---
+
+// The files that match, in natural order; n: how many.
+static const char **list_files(FfpArena *arena, const FfpFileSet *set, const Blanks *blanks, int *n) {
+    glob_t *found = ffp_alloc(1, sizeof *found);
+    FfpError none = {0};
+    *n = 0;
+    if (!find_files(found, set, blanks, "", &none)) {
+        ffp_free(found);
+        return NULL;
+    }
+    ffp_own(found, free_glob);
+    const char **files = ffp_arena_alloc(arena, found->gl_pathc + 1, sizeof *files);
+    for (size_t i = 0; i < found->gl_pathc; i++)
+        if (ffp_photograph_has_ending(found->gl_pathv[i]))
+            files[(*n)++] = ffp_arena_text(arena, found->gl_pathv[i]);
+    ffp_disown(found);
+    free_glob(found);
+    qsort(files, (size_t)*n, sizeof *files, ffp_compare_paths);
+    return files;
+}
+
+static bool in_one_folder(const char *a, const char *b) {
+    const ptrdiff_t length = ffp_basename(a) - a;
+    return length == ffp_basename(b) - b && strncmp(a, b, (size_t)length) == 0;
+}
+
+// Files of all views by their folders, or in equal shares.
+static bool share_out(FfpShotFolder *views, int stops, const char **files, int n) {
+    int folders = n > 0;
+    for (int i = 1; i < n; i++) folders += !in_one_folder(files[i - 1], files[i]);
+    if (n == 0 || (folders != stops && n % stops != 0)) return false;
+    for (int i = 0, stop = -1; i < n; i++) {
+        const bool next =
+            folders == stops ? i == 0 || !in_one_folder(files[i - 1], files[i]) : i % (n / stops) == 0;
+        if (next) views[++stop].files = files + i;
+        views[stop].n_files++;
+    }
+    return true;
+}
+
+bool ffp_files_list(FfpShotFolder *views, FfpArena *arena, const char *template,
+                    const FfpCalibration *calibration) {
+    const FfpFileSet set = {.template = template, .calibration = calibration, .n_names = 1};
+    const bool by_view = ffp_files_by_view(template);
+    int n, twins;
+    if (!strchr(template, '*') || ffp_photograph_names_part(template)) return false;
+    for (int stop = 0; stop < (by_view ? calibration->n_stops : 1); stop++) {
+        const Blanks blanks = {calibration->stops[stop].id, NULL, calibration->stops[stop].index};
+        const char **files = list_files(arena, &set, &blanks, &n);
+        if (!files || n == 0 || ffp_find_twins(files, n, &twins) >= 0) return false;
+        if (!by_view) return share_out(views, calibration->n_stops, files, n);
+        ffp_unwrap_numbers(files, n);
+        views[stop].files = files, views[stop].n_files = n;
     }
     return true;
 }

@@ -4,6 +4,7 @@
 
 #include "core/base/arena.h"
 #include "rig/optics/calibration.h"
+#include "rig/shots/folders.h"
 
 // Order of two paths for qsort: runs of digits count as numbers, "img_9" before "img_10"; "1.png" and
 // "01.png" have an order, too.
@@ -14,6 +15,11 @@ bool ffp_files_by_view(const char *template);
 // Files in natural order, [n], of a camera whose numbers began again (9999, 0001): the part before that comes
 // first, with a note.
 void ffp_unwrap_numbers(const char **paths, int n);
+// The last number in a file's name and how many digits it has; -1: none.
+long ffp_last_number(const char *path, int *digits);
+// Where the first number is missing among those of n files in natural order, which otherwise go up by one; -1
+// where none is, or files have no numbers. *count: how many are missing.
+int ffp_find_gap(const char *const *paths, int n, int *count);
 // Two of the files in natural order, [n], that differ in their ending alone (a raw photograph and its JPEG):
 // each photograph exists twice. -1: there are none; otherwise the first of the two. *count: of such pairs.
 int ffp_find_twins(const char *const *paths, int n, int *count);
@@ -38,5 +44,9 @@ typedef struct FfpFileSet {
 // files are taken in natural order: all names of the first view, then of the second. ? and [...] are
 // wildcards, too, unless a file has that literal name.
 bool ffp_files_find(const char **paths, FfpArena *arena, const FfpFileSet *set, FfpError *err);
+// The files of every view, [n_stops], whatever their number, in natural order. A template without
+// placeholders must match a folder of each view, or as many files of each. False: it does not, or has no *.
+bool ffp_files_list(FfpShotFolder *views, FfpArena *arena, const char *template,
+                    const FfpCalibration *calibration);
 
 #endif

@@ -5,8 +5,11 @@
 #include "core/base/arena.h"
 #include "core/base/call.h"
 #include "core/base/file.h"
+#include "core/base/log.h"
 #include "core/image/photograph.h"
+#include "core/patterns/patterns.h"
 #include "rig/shots/file_names.h"
+#include "rig/shots/sets.h"
 
 // Settings, for errors.
 #define IMAGES "images"
@@ -89,8 +92,37 @@ static bool find_group(FfpShots *shots, const Group *group, const FfpCalibration
 
 // --- Photographs of everything that was shown. ---
 
+// Black, white and the codes alone, [stops,n], are as many as all of which one is missing, unless the files'
+// numbers have no gap, or only that of the `others` between white and the codes.
+static bool without_gaps(const char *const *paths, int stops, int n, int others, FfpError *err) {
+    for (int stop = 0; stop < stops; stop++) {
+        const char *const *files = paths + (ptrdiff_t)stop * n;
+        int count;
+        const int gap = ffp_find_gap(files, n, &count);
+        if (gap >= 0 && (gap != 2 || count != others))
+            return ffp_fail(err, FFP_ERROR_FILE, files[gap],
+                            "by the numbers of the files a photograph is missing before this one");
+    }
+    return true;
+}
+
+// All that was shown, but for photographs of codes, which the numbers in the names tell.
+static bool find_with_gaps(const char **paths, FfpShots *shots, const char *template,
+                           const FfpCalibration *calibration, const char **names) {
+    const int n = shots->shown.n, others = n - shots->shown.n_codes;
+    const FfpFileSet set = {template, calibration, names, n, "photographs", "pattern", "", true};
+    FfpError none = {0};
+    for (int i = 0; i < n; i++) names[i] = shots->shown.patterns[i].name;
+    memset(paths, 0, (size_t)calibration->n_stops * (size_t)n * sizeof *paths);
+    if (!ffp_files_find(paths, shots->arena, &set, &none)) return false;
+    // Where the last one is missing, the files' numbers may be the camera's own, which tell nothing.
+    for (int i = 0; i < calibration->n_stops * n; i++)
+        if (!paths[i] && (i % n < others || i % n == n - 1)) return false;
+    return true;
+}
+
 // The paths [n_stops, *plain + *codes] of all that was shown or, where there are fewer photographs, of those
-// before the codes. (Black, white and the codes alone are as many as all of which one is missing.)
+// before the codes, or of black, white and the codes.
 static const char **find_shown(FfpShots *shots, const char *template, const FfpCalibration *calibration,
                                int *plain, int *codes, FfpError *err) {
     const FfpShown *shown = &shots->shown;
@@ -100,44 +132,101 @@ static const char **find_shown(FfpShots *shots, const char *template, const FfpC
                                          sizeof *paths);
     char order[160] = "";
     if (shown->n_codes > 0)
-        snprintf(order, sizeof order, " for all that was shown, or %d without the Gray codes", others);
-    for (int kind = FFP_SHOWN_ALL; kind <= FFP_SHOWN_PLAIN; kind++) {
+        snprintf(order, sizeof order,
+                 " for all that was shown, %d without the Gray codes, or %d for black, white and these alone",
+                 others, 2 + shown->n_codes);
+    for (int kind = FFP_SHOWN_ALL; kind < FFP_SHOWN_KINDS; kind++) {
         if (!ffp_shown_photographed(shown, kind, plain, codes)) continue;
         const int n = *plain + *codes;
-        for (int i = 0; i < n; i++) names[i] = shown->patterns[i].name;
+        for (int i = 0; i < n; i++) names[i] = shown->patterns[i < *plain ? i : shown->n - n + i].name;
         const FfpFileSet set = {
             template, calibration, names, n, "photographs", "pattern", kind == FFP_SHOWN_ALL ? order : "",
             false};
         FfpError error = {0};
         paths[0] = NULL;
-        if (ffp_files_find(paths, shots->arena, &set, &error)) return paths;
+        if (ffp_files_find(paths, shots->arena, &set, &error)) {
+            if (kind != FFP_SHOWN_CODES || without_gaps(paths, calibration->n_stops, n, others - 2, err))
+                return paths;
+            break;
+        }
         // The first view has no codes where paths[0] is set: another one is to blame.
         if (err && (kind == FFP_SHOWN_ALL || paths[0])) *err = error;
     }
-    return NULL;
+    if (shown->n_codes == 0 || !find_with_gaps(paths, shots, template, calibration, names)) return NULL;
+    *plain = others, *codes = shown->n_codes;
+    if (err) *err = (FfpError){0};
+    return paths;
 }
 
-static bool take_all_shown(FfpShots *shots, const char *template, const FfpCalibration *calibration,
-                           FfpError *err) {
+// Photographs of greys tell the projector's response, and belong to no pattern.
+static void take_greys(FfpShots *shots, const char **paths, int stops, int plain, int n) {
+    if (shots->greys) return;
+    shots->grey = ffp_arena_alloc(shots->arena, (size_t)plain, sizeof *shots->grey);
+    for (int p = 0; p < plain; p++) {
+        const int value = ffp_grey_named(shots->shown.patterns[p].name);
+        if (value > 0) shots->grey[shots->n_greys++] = value;
+    }
+    shots->greys =
+        ffp_arena_alloc(shots->arena, (size_t)stops * (size_t)shots->n_greys + 1, sizeof *shots->greys);
+    for (int stop = 0, k = 0; stop < stops; stop++)
+        for (int p = 0; p < plain; p++)
+            if (ffp_grey_named(shots->shown.patterns[p].name) > 0) shots->greys[k++] = paths[stop * n + p];
+}
+
+// Places for the codes of every view.
+static bool make_room(FfpShots *shots, int stops, int codes, FfpError *err) {
+    if (shots->codes) return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "the Gray codes come twice");
+    shots->n_codes = codes;
+    shots->codes = ffp_arena_alloc(shots->arena, (size_t)stops * (size_t)codes, sizeof *shots->codes);
+    return true;
+}
+
+// Black, white and codes in another order, or fewer of them.
+static bool take_set(FfpShots *shots, const char *template, const FfpCalibration *calibration, bool linear,
+                     FfpError *err) {
+    const FfpShown *shown = &shots->shown;
+    const FfpGrayPhotographs panel = {.width = shown->width, .height = shown->height, .linear = linear};
+    if (shown->n_codes == 0 || pattern_index(shots, shown->patterns[0].name, NULL) < 0 ||
+        pattern_index(shots, shown->patterns[1].name, NULL) < 0 ||
+        !make_room(shots, calibration->n_stops, shown->n_codes, NULL) ||
+        !ffp_sets_find(shots, template, calibration, shown, &panel))
+        return false; // and what was not found is the error
+    if (shown->n > shown->n_codes + 2)
+        ffp_note("%s: not all that was shown was photographed of every view: black, white and the Gray codes "
+                 "alone are taken",
+                 template);
+    if (err) *err = (FfpError){0};
+    return true;
+}
+
+static bool take_all_shown(FfpShots *shots, const FfpImport *sources, const char *template,
+                           const FfpCalibration *calibration, FfpError *err) {
     const int stops = calibration->n_stops;
+    const FfpShown *shown = &shots->shown;
     int plain, codes;
     if (!template || template[0] == 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no file is named");
-    if (!shots->shown.arena)
+    if (!shown->arena)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "'%.100s' is without names of patterns", template);
     const char **paths = find_shown(shots, template, calibration, &plain, &codes, err);
-    if (!paths) return false;
+    if (!paths) return take_set(shots, template, calibration, sources->linear_images, err);
     const int n = plain + codes;
+    take_greys(shots, paths, stops, plain, n);
     for (int p = 0; p < plain; p++) {
-        const int pattern = pattern_index(shots, shots->shown.patterns[p].name, err);
+        if (ffp_grey_named(shown->patterns[p].name) > 0) continue;
+        const int pattern = pattern_index(shots, shown->patterns[p].name, err);
         if (pattern < 0) return false;
         for (int stop = 0; stop < stops; stop++)
             if (!set_picture(shots, calibration, stop, pattern, paths[stop * n + p], err)) return false;
     }
     if (codes == 0) return true;
-    if (shots->codes) return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "the Gray codes come twice");
-    shots->n_codes = codes;
-    shots->codes = ffp_arena_alloc(shots->arena, (size_t)stops * (size_t)codes, sizeof *shots->codes);
+    if (!make_room(shots, stops, codes, err)) return false;
     for (int i = 0; i < stops * codes; i++) shots->codes[i] = paths[i / codes * n + plain + i % codes];
+    if (plain == 2) shots->others = shown->n - codes - plain;
+    ffp_sets_sort_found(shots, stops,
+                        &(FfpGrayPhotographs){.width = shown->width,
+                                              .height = shown->height,
+                                              .others = shots->others,
+                                              .linear = sources->linear_images});
     return true;
 }
 
@@ -280,12 +369,14 @@ static bool check_single(const FfpShots *shots, const FfpCalibration *calibratio
     return true;
 }
 
-static bool check_complete(const FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
+static bool check_complete(const FfpShots *shots, const FfpImport *sources, const FfpCalibration *calibration,
+                           FfpError *err) {
+    const bool coded = shots->codes || sources->gray_codes; // black and white are made from the codes
     if (shots->black < 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no pictures under black given");
     if (shots->white < 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no pictures under white given");
     const int plain[2] = {shots->black, shots->white};
     for (int i = 0; i < 2 * calibration->n_stops; i++) {
-        if (shots->pictures[i / 2 * FFP_PATTERNS_MAX + plain[i % 2]] != NULL) continue;
+        if (coded || shots->pictures[i / 2 * FFP_PATTERNS_MAX + plain[i % 2]] != NULL) continue;
         return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES,
                         "view '%s' has no picture under %s: every pose must be photographed under "
                         "black, white and a pattern",
@@ -306,9 +397,10 @@ static bool find_all(FfpShots *shots, const FfpImport *sources, const FfpCalibra
     if (sources->n_images == 0 && !take_named(shots, calibration, err)) return false;
     for (int i = 0; i < sources->n_images; i++) {
         const FfpImportImages *images = &sources->images[i];
-        const bool ok = images->n_patterns == 0 ? take_all_shown(shots, images->files, calibration, err)
-                                                : read_group(shots, images, group, err) &&
-                                                      find_group(shots, group, calibration, err);
+        const bool ok =
+            images->n_patterns == 0
+                ? take_all_shown(shots, sources, images->files, calibration, err)
+                : read_group(shots, images, group, err) && find_group(shots, group, calibration, err);
         if (!ok) return false;
     }
     for (int i = 0; i < sources->n_patterns; i++) {
@@ -317,11 +409,13 @@ static bool find_all(FfpShots *shots, const FfpImport *sources, const FfpCalibra
     for (int i = 0; i < sources->n_held_out; i++) {
         if (!take_projected(shots, &sources->held_out[i], true, err)) return false;
     }
+    if (sources->gray_codes && shots->black < 0 && pattern_index(shots, "black", err) < 0) return false;
+    if (sources->gray_codes && shots->white < 0 && pattern_index(shots, "white", err) < 0) return false;
     take_shown_patterns(shots);
     take_kept_patterns(shots, calibration->pattern_folder);
     return (sources->masks != FFP_MASKS_FROM_FILES ||
             find_masks(shots, sources->mask_files, calibration, err)) &&
-           check_complete(shots, calibration, err) && check_single(shots, calibration, err) &&
+           check_complete(shots, sources, calibration, err) && check_single(shots, calibration, err) &&
            find_stage(shots, sources, calibration, err);
 }
 

@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/base/log.h"
 #include "rig/checks/measure.h"
+#include "rig/findings/tell.h"
 #include "rig/turntable/fit_axis.h"
 #include "rig/turntable/turntable.h"
 
@@ -34,15 +35,10 @@ static bool accept_axis(FfpCapture *capture, const FfpAxis *axis, const FfpAxisR
     ffp_note("  pattern lookup %.1f dB (by chance %.1f)", -20 * log10(found.error),
              -20 * log10(found.chance));
     if (misfit > MISFIT_MAX)
-        return ffp_fail(err, FFP_ERROR_FILE, "turntable.axis",
-                        "with the best axis %.0f %% of the object's pixels contradict the other views' "
-                        "silhouettes: check angles, order of pictures and masks",
-                        100 * misfit);
+        return ffp_refuse(FFP_RULE_AXIS_CONTRADICTS, &(FfpFacts){.figure = misfit, .limit = MISFIT_MAX},
+                          "turntable.axis", err);
     return (found.pixels > 0 && found.error < FFP_RIG_CHANCE_MAX * found.chance) ||
-           ffp_fail(
-               err, FFP_ERROR_FILE, "turntable.axis",
-               "with the best axis the pattern explains the pictures hardly better than chance: check the "
-               "pattern's file and the calibration");
+           ffp_refuse(FFP_RULE_AXIS_CHANCE, &(FfpFacts){0}, "turntable.axis", err);
 }
 
 bool ffp_turntable_find(const FfpImportTurntable *given, FfpCalibration *calibration, FfpCapture *capture,

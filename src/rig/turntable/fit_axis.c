@@ -6,6 +6,7 @@
 #include "core/capture/reduce.h"
 #include "core/capture/small.h"
 #include "core/numerics/rank.h"
+#include "rig/findings/tell.h"
 #include "rig/turntable/cloud.h"
 #include "rig/turntable/outline.h"
 #include "rig/turntable/scan.h"
@@ -138,15 +139,10 @@ static bool check_outlines(const Search *search, const FfpAxis *axis, FfpError *
     const FfpAxisTerm term = outline_term(search, 1);
     int there = 0;
     const double median = ffp_axis_median(&term, axis, &there);
-    if (there < FOUND * term.count)
-        return ffp_fail(
-            err, FFP_ERROR_FILE, PLACE,
-            "too few silhouettes lie entirely within the pictures, or they are empty: check the masks");
-    return median < OUTLINE_MAX * search->width ||
-           ffp_fail(err, FFP_ERROR_FILE, PLACE,
-                    "no axis makes the silhouettes agree (best: %.1f pixels apart): check the angles, the "
-                    "order of the pictures and the masks",
-                    median);
+    if (there < FOUND * term.count) return ffp_refuse(FFP_RULE_OUTLINES_FEW, &(FfpFacts){0}, PLACE, err);
+    const double most = OUTLINE_MAX * search->width;
+    return median < most ||
+           ffp_refuse(FFP_RULE_OUTLINES_NO_AXIS, &(FfpFacts){.figure = median, .limit = most}, PLACE, err);
 }
 
 // --- What the pattern says. ---
@@ -172,16 +168,10 @@ static bool find_distance(const Search *search, Candidate *candidates, int count
     }
     while (chosen + 1 < count && !(candidates[chosen].scan.error <= LIKELY * least)) chosen++;
     *best = candidates[chosen];
-    if (tried == 0)
-        return ffp_fail(err, FFP_ERROR_FILE, PLACE,
-                        "the projector does not reach the object at any distance: check R, T and the sizes "
-                        "in the calibration");
+    if (tried == 0) return ffp_refuse(FFP_RULE_PROJECTOR_MISSES, &(FfpFacts){0}, PLACE, err);
     if (best->scan.error > CHANCE_MAX * best->scan.chance)
-        return ffp_fail(
-            err, FFP_ERROR_FILE, PLACE,
-            "the pattern does not determine the object's distance (error %.3f, %.3f by chance): check the "
-            "pattern's file and the angles, or measure the axis and give it with the angles",
-            sqrt(best->scan.error), sqrt(best->scan.chance));
+        return ffp_refuse(FFP_RULE_DISTANCE_OPEN,
+                          &(FfpFacts){.x = sqrt(best->scan.error), .y = sqrt(best->scan.chance)}, PLACE, err);
     settle(search, &best->axis, best->scan.factor);
     return true;
 }
@@ -232,16 +222,11 @@ static bool check_certain(const Search *search, const FfpAxis *axis, FfpAxisRepo
     report->tilt = fmax(sqrt((a + b) / 2 + hypot((a - b) / 2, c)) * 180 / acos(-1.0), probe(search, axis));
     report->shift = sqrt(fmax(covariance[10], covariance[15]));
     if (report->surface_points < POINTS_LEAST)
-        return ffp_fail(err, FFP_ERROR_FILE, PLACE,
-                        "only %d points are seen and lit at two stops: turn the object by smaller angles, or "
-                        "measure the axis",
-                        report->surface_points);
+        return ffp_refuse(FFP_RULE_SURFACE_POINTS, &(FfpFacts){.x = report->surface_points}, PLACE, err);
     return (report->tilt < TILT_MAX && report->shift < SHIFT_MAX) ||
-           ffp_fail(err, FFP_ERROR_FILE, PLACE,
-                    "the pictures do not determine the axis (uncertain by %.2g degrees and %.2g %% of the "
-                    "distance): the object looks nearly the same about many axes, or the views are too few. "
-                    "Measure the axis, or fit it on an object with corners and import with the result",
-                    report->tilt, 100 * report->shift);
+           ffp_refuse(FFP_RULE_AXIS_OPEN,
+                      &(FfpFacts){.figure = report->tilt, .limit = TILT_MAX, .x = 100 * report->shift}, PLACE,
+                      err);
 }
 
 static bool check_angles(const double *angles, int n, FfpError *err) {
@@ -252,7 +237,7 @@ static bool check_angles(const double *angles, int n, FfpError *err) {
         different += !again;
     }
     return different >= 3 ||
-           ffp_fail(err, FFP_ERROR_FILE, PLACE,
+           ffp_fail(err, FFP_ERROR_ARGUMENT, PLACE,
                     "at least three different angles are needed, but only %d given", different);
 }
 

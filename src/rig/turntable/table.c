@@ -4,6 +4,7 @@
 #include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
+#include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/numerics/least_squares.h"
 #include "core/numerics/rank.h"
@@ -136,6 +137,10 @@ static double try_stop(Table *table, const Stop *stop, double best[2], double u_
     return best[0];
 }
 
+static bool refuse_axis(double degrees, double most, FfpError *err) {
+    return ffp_refuse(FFP_RULE_BOARD_NO_AXIS, &(FfpFacts){.figure = degrees, .limit = most}, PLACE, err);
+}
+
 static bool first_axis(Table *table, FfpError *err) {
     double best[2] = {INFINITY, INFINITY}, u[3] = {0, -1, 0}; // of the direction, and of those against it
     for (int i = 0; i < table->n; i++) {
@@ -149,16 +154,9 @@ static bool first_axis(Table *table, FfpError *err) {
             err, FFP_ERROR_ARGUMENT, PLACE,
             "the angles are all equal or half a turn apart: at least three different ones are needed");
     if (best[0] > 2 * ANGLE_MAX * FFP_PI_DOUBLE / 180)
-        return ffp_fail(
-            err, FFP_ERROR_FILE, PLACE,
-            "no axis explains the board's poses at these angles (%.1f degrees remain): the angles are wrong, "
-            "the photographs are out of order, or the board or the camera moved",
-            best[0] * 180 / FFP_PI_DOUBLE);
+        return refuse_axis(best[0] * 180 / FFP_PI_DOUBLE, 2 * ANGLE_MAX, err);
     if (best[1] < RIVAL * best[0] + RIVAL_LEAST)
-        return ffp_fail(
-            err, FFP_ERROR_FILE, PLACE,
-            "the board looks the same after half a turn, so the direction of rotation is ambiguous: place it "
-            "beside the axis, or photograph it at angles that are not multiples of 90 degrees");
+        return ffp_refuse(FFP_RULE_BOARD_HALF_TURN, &(FfpFacts){0}, PLACE, err);
     memcpy(table->axis.direction, u, sizeof u);
     find_point(table, u, table->axis.point);
     for (int i = 0; i < table->n; i++) best_symmetry(table, &table->stops[i], u, &table->stops[i].symmetry);
@@ -318,14 +316,18 @@ static void refine(Table *table, FfpTableFit *fit) {
 static bool read_stop(FfpTableFit *fit, const FfpBoard *board, const FfpCvDevice *camera, const char *file,
                       int i, FfpError *err) {
     FfpAttitude *a = &fit->attitudes[i];
+    char usual[40];
     FfpImage grey;
     if (!ffp_board_read(&grey, file, err)) return false;
     a->name = file;
     const bool same = grey.width == camera->width && grey.height == camera->height;
-    const bool ok = same ? ffp_board_find(board, &grey, a, err)
-                         : ffp_fail(err, FFP_ERROR_FILE, file,
-                                    "has %d x %d pixels, but the camera was calibrated at %d x %d",
-                                    grey.width, grey.height, camera->width, camera->height);
+    snprintf(usual, sizeof usual, "%d x %d", camera->width, camera->height);
+    const bool ok =
+        same ? ffp_board_find(board, &grey, a, err)
+             : ffp_refuse(
+                   FFP_RULE_STOP_SIZE,
+                   &(FfpFacts){.view = ffp_basename(file), .x = grey.width, .y = grey.height, .a = usual},
+                   file, err);
     ffp_image_free(&grey);
     return ok;
 }
@@ -392,27 +394,29 @@ static void tell_left_out(const FfpAttitude *a) {
     ffp_tell(FFP_RULE_ATTITUDE, &(FfpFacts){.view = a->name, .a = names, .b = a->problem});
 }
 
+// Refuses too few photographs, with the reason of the first that is left out.
+static bool check_stops(const FfpTableFit *fit, const Table *table, FfpError *err) {
+    char why[640] = "none left out";
+    if (table->n >= FFP_TABLE_STOPS_LEAST) return true;
+    for (int i = fit->n - 1; i >= 0; i--)
+        if (fit->attitudes[i].problem[0])
+            snprintf(why, sizeof why, "%.120s: %.500s", fit->attitudes[i].name, fit->attitudes[i].problem);
+    return ffp_refuse(FFP_RULE_TOO_FEW,
+                      &(FfpFacts){.x = table->n,
+                                  .y = fit->n,
+                                  .z = FFP_TABLE_STOPS_LEAST,
+                                  .a = "photographs show the board",
+                                  .b = why},
+                      PLACE, err);
+}
+
 static bool fit_axis(FfpTableFit *fit, Table *table, FfpError *err) {
-    if (table->n < FFP_TABLE_STOPS_LEAST) {
-        for (int i = 0; i < fit->n; i++)
-            if (fit->attitudes[i].problem[0])
-                return ffp_fail(err, FFP_ERROR_FILE, PLACE,
-                                "%d of %d photographs show the board, but %d are needed; %s: %s", table->n,
-                                fit->n, FFP_TABLE_STOPS_LEAST, fit->attitudes[i].name,
-                                fit->attitudes[i].problem);
-        return ffp_fail(err, FFP_ERROR_FILE, PLACE, "%d photographs, but %d are needed", fit->n,
-                        FFP_TABLE_STOPS_LEAST);
-    }
+    if (!check_stops(fit, table, err)) return false;
     if (!first_axis(table, err)) return false;
     refine(table, fit);
     fit->off_angle = leftover(table);
-    if (fit->off_angle > ANGLE_MAX)
-        return ffp_fail(err, FFP_ERROR_FILE, PLACE,
-                        "the board's poses differ by %.1f degrees (rms) from rotations by these angles",
-                        fit->off_angle);
+    if (fit->off_angle > ANGLE_MAX) return refuse_axis(fit->off_angle, ANGLE_MAX, err);
     settle(table, fit);
-    for (int i = 0; i < fit->n; i++)
-        if (fit->attitudes[i].problem[0]) tell_left_out(&fit->attitudes[i]);
     return true;
 }
 
@@ -433,6 +437,8 @@ bool ffp_fit_table(FfpTableFit *fit, const FfpBoard *board, const FfpCvDevice *c
         fit->n = n_angles;
         fit->attitudes = ffp_alloc((size_t)n_angles, sizeof *fit->attitudes);
         ok = read_stops(fit, &table, folder, err) && fit_axis(fit, &table, err);
+        for (int i = 0; i < fit->n; i++)
+            if (fit->attitudes[i].problem[0]) tell_left_out(&fit->attitudes[i]);
         ffp_free(table.stops);
         for (int i = 0; i < fit->n; i++) fit->attitudes[i].name = "";
     }

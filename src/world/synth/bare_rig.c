@@ -31,6 +31,14 @@ FfpBareRig ffp_bare_rig(int height, int panel_width, int panel_height) {
     return rig;
 }
 
+void ffp_bare_rig_exchange(FfpBareRig *rig) {
+    static const double lens[5] = {-0.02, 0.008, 0, 0.0003, 0}, middle[3] = {0, 0, 0};
+    ffp_bare_rig_optics(&rig->projector, rig->projector.width, rig->projector.height, 1.48, 0.02, 0.06);
+    memcpy(rig->projector_lens, lens, sizeof lens);
+    ffp_rig_place(&rig->projector, 3.5, 63, -31, middle);
+    rig->intensity *= 1.2F;
+}
+
 // R_z(-angle) applied to a pose.
 static void turn_back(const FfpCamera *device, double angle, FfpCamera *turned) {
     const double c = cos(angle * DEGREE), s = sin(angle * DEGREE);

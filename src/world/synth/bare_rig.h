@@ -17,6 +17,9 @@ typedef struct FfpBareRig {
 
 // For pictures height * 4/3 x height and a panel of any size.
 FfpBareRig ffp_bare_rig(int height, int panel_width, int panel_height);
+// Puts another projector in the place of the rig's, on the other side of the camera and farther away, with
+// another lens and as many pixels.
+void ffp_bare_rig_exchange(FfpBareRig *rig);
 // Size and intrinsics of a device: focal length and the principal point's distance from the middle, in units
 // of the shorter side.
 void ffp_bare_rig_optics(FfpCamera *device, int width, int height, double focal, double off_x, double off_y);

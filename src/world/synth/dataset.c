@@ -102,9 +102,12 @@ static json_t *describe(const Job *job, int64_t number, const FfpSceneSpec *spec
     char material[FFP_NAME_MAX];
     snprintf(material, sizeof material, "%s", ffp_material_name(spec->material));
     if (own) ffp_asset_name(own, material);
-    return json_pack("{s:s, s:s*, s:I, s:I, s:s, s:s}", "version", FFP_VERSION, "split", split, "number",
-                     (json_int_t)number, "seed", (json_int_t)options->seed, "mesh",
-                     job->asset[0] ? job->asset : ffp_mesh_name(spec->mesh), "material", material);
+    FfpSensor sensor = spec->sensor;
+    ffp_sensor_settle(&sensor, spec->seed);
+    return json_pack("{s:s, s:s*, s:I, s:I, s:s, s:s, s:o*}", "version", FFP_VERSION, "split", split,
+                     "number", (json_int_t)number, "seed", (json_int_t)options->seed, "mesh",
+                     job->asset[0] ? job->asset : ffp_mesh_name(spec->mesh), "material", material, "light",
+                     ffp_sensor_truth(&sensor));
 }
 
 // A scene in the making.
@@ -288,9 +291,14 @@ static bool photograph_dressed(const Job *job, const FfpSceneSpec *spec, FfpErro
                         "is of an object's photographs: a walk is a whole scene, from all its places");
     if (spec->rig == FFP_SCENE_WALK)
         return ffp_walk_photographs_write(options->folder, options->photographs, spec, err);
-    const FfpPhotographs photographs = {options->folder, options->photographs, options->attitudes,
-                                        options->only,   options->room,        options->seed,
-                                        options->quality};
+    const FfpPhotographs photographs = {.folder = options->folder,
+                                        .patterns = options->photographs,
+                                        .attitudes = options->attitudes,
+                                        .only = options->only,
+                                        .room = options->room,
+                                        .seed = options->seed,
+                                        .quality = options->quality,
+                                        .other_projector = options->other_projector};
     return ffp_photographs_write(&photographs, spec, err);
 }
 
@@ -322,6 +330,8 @@ static bool open_job(Job *job, int64_t *count, FfpError *err) {
     if (!job->options->folder) return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "no output folder given");
     if (job->options->room && !job->options->photographs)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "room", "requires the patterns of `photographs`");
+    if (job->options->other_projector && (!job->options->photographs || job->options->room))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "other_projector", "requires `photographs` without a room");
     if (job->options->only && !job->options->photographs)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "only", "requires `photographs`");
     if (job->options->patterns && job->options->photographs)

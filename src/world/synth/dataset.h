@@ -40,6 +40,7 @@ typedef struct FfpDatasetSettings {
     const char *only;        // one of the folders of its photographs; NULL: all
     bool room;               // the rig stands in a room (photographs.h), with photographs only
     int quality;             // of the room's JPEG files
+    bool other_projector;    // of a bare rig, with photographs only
 } FfpDatasetSettings;
 
 // Scenes that exist already are kept; one appears under its name only when it is whole. Of several ranks

@@ -1,6 +1,7 @@
 // Cameras and projectors while rays are traced.
 #include <math.h>
 #include "core/base/lens.h"
+#include "world/synth/sensor.h"
 #include "world/synth/simulate_work.h"
 
 FfpTracedDevice ffp_device_of(const FfpCamera *c, const double *lens) {
@@ -48,6 +49,8 @@ bool ffp_arrive(const FfpViewWork *w, const FfpHit *hit, const float normal[3], 
     if (!(a->u >= 0 && a->v >= 0 && a->u <= p->width && a->v <= p->height)) return false;
     const float square = ffp_along(way, way), scale = 1 / sqrtf(square);
     a->fall = 1 / square;
+    if (w->sim->sensor && w->sim->sensor->throw_fall > 0)
+        a->fall *= ffp_sensor_vignette(w->sim->sensor->throw_fall, &w->view->projector, a->u, a->v);
     for (int k = 0; k < 3; k++) {
         start[k] = hit->point[k] + FFP_RAY_OFFSET * hit->facet[k];
         a->towards[k] = way[k] * scale;

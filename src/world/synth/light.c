@@ -56,7 +56,24 @@ FfpLight ffp_light_new(const FfpImage *const *patterns, int n_patterns) {
     return light;
 }
 
+// Deviation of a level of softness; level 0 is sharp.
+static float deviation_of(int level) {
+    return level > 0 ? (float)(1 << (level - 1)) : 0;
+}
+
+void ffp_light_soften(FfpLight *light) {
+    const int n = light->n_patterns;
+    light->soft = ffp_alloc((size_t)FFP_SOFT * (size_t)n, sizeof *light->soft);
+    for (int i = 0; i < FFP_SOFT * n; i++) {
+        if (light->even[i % n]) continue;
+        light->soft[i] = ffp_image_copy(light->sharp[i % n]);
+        ffp_image_blur(&light->soft[i], (real)deviation_of(i / n + 1));
+    }
+}
+
 void ffp_light_free(FfpLight *light) {
+    for (int i = 0; light->soft && i < FFP_SOFT * light->n_patterns; i++) ffp_image_free(&light->soft[i]);
+    ffp_free(light->soft);
     ffp_free(light->lane);
     ffp_free((void *)light->sharp);
     ffp_free(light->even);
@@ -76,18 +93,39 @@ bool ffp_light_texel(int width, int height, float u, float v, FfpTexel *out) {
     return true;
 }
 
-void ffp_light_add(const FfpLight *light, const FfpTexel *texel, const float colour[3], float *sum) {
+// The pictures of a level of softness.
+static void add_level(const FfpLight *light, int level, const FfpTexel *texel, const float colour[3],
+                      float *sum) {
     const size_t at = 3 * texel->at, right = 3 * texel->right, down = 3 * texel->down;
     const float *weight = texel->weight;
     for (int p = 0; p < light->n_patterns; p++) {
         if (light->lane[p] < 0) continue;
         float *to = sum + light->lane[p];
-        const real *from = light->sharp[p]->data + (light->even[p] ? 0 : at);
+        const FfpImage *image = level > 0 && !light->even[p]
+                                    ? &light->soft[(level - 1) * light->n_patterns + p]
+                                    : light->sharp[p];
+        const real *from = image->data + (light->even[p] ? 0 : at);
         for (int c = 0; c < 3; c++, from++, to += light->lanes)
             *to += colour[c] * (light->even[p] ? from[0]
                                                : weight[0] * from[0] + weight[1] * from[right] +
                                                      weight[2] * from[down] + weight[3] * from[right + down]);
     }
+}
+
+void ffp_light_add(const FfpLight *light, const FfpTexel *texel, const float colour[3], float *sum) {
+    add_level(light, 0, texel, colour, sum);
+}
+
+void ffp_light_add_soft(const FfpLight *light, const FfpTexel *texel, float deviation, const float colour[3],
+                        float *sum) {
+    int level = 0;
+    while (level + 1 < FFP_SOFT && deviation_of(level + 1) < deviation) level++;
+    const float low = deviation_of(level), high = deviation_of(level + 1),
+                share = ffp_min(1, (deviation * deviation - low * low) / (high * high - low * low));
+    const float sharper[3] = {(1 - share) * colour[0], (1 - share) * colour[1], (1 - share) * colour[2]},
+                softer[3] = {share * colour[0], share * colour[1], share * colour[2]};
+    add_level(light, level, texel, sharper, sum);
+    add_level(light, level + 1, texel, softer, sum);
 }
 
 void ffp_light_add_coarse(const FfpLight *light, const FfpTexel *texel, const float colour[3], float *sum) {

@@ -141,7 +141,7 @@ static bool write_truth(const FfpPhotographing *job, const FfpPhotographed *subj
     return ok;
 }
 
-// Of a room, the picture is light; otherwise it has its noise.
+// Of a room, the picture is light before the lens; otherwise it has its noise.
 static bool write_picture(const FfpPhotographing *job, const FfpPhotographed *subject, int pattern,
                           FfpImage *picture, FfpError *err) {
     const bool room = job->options->room;
@@ -149,6 +149,7 @@ static bool write_picture(const FfpPhotographing *job, const FfpPhotographed *su
     if (!picture_path(job, subject, pattern, "", room ? "JPG" : "png", path, err)) return false;
     if (room) {
         if (job->room.camera_defocus > 0) ffp_image_blur(picture, (real)job->room.camera_defocus);
+        ffp_sensor_see(picture, &job->sensor, &job->room.rig.camera);
         if (has_truth(job, subject, pattern) && !write_truth(job, subject, pattern, picture, err))
             return false;
         ffp_sensor_expose(picture, &job->sensor, key_of(job, subject, pattern));
@@ -221,6 +222,7 @@ static bool simulate(const FfpPhotographing *job, const FfpPhotographed *subject
                                       .ambient_rays = spec->ambient_rays,
                                       .shot = around ? 0 : job->sensor.shot,
                                       .read = around ? 0 : job->sensor.read,
+                                      .sensor = &job->sensor,
                                       .camera_lens = job->room.rig.camera_lens,
                                       .projector_lens = job->room.rig.projector_lens,
                                       .photograph = true,
@@ -302,6 +304,7 @@ static bool photograph_batch(const FfpPhotographing *job, Progress *progress, in
     }
     if (ok) {
         FfpLight light = ffp_light_new(images, count);
+        if (job->sensor.focus_blur > 0) ffp_light_soften(&light);
         for (int s = 0; ok && s < job->n_subjects; s++) {
             const int wanted = count_wanted(job, s, first, count);
             if (wanted == 0) continue;

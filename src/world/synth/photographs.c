@@ -6,6 +6,7 @@
 #include "core/base/alloc.h"
 #include "core/base/log.h"
 #include "world/synth/photographing.h"
+#include "world/synth/sensor.h"
 
 enum { SIDE_MIN = 64, SIDE_MAX = 4096, ATTITUDES_MAX = 64, HELD_OUT = 2 };
 static const int between[] = {22, 157}; // degrees
@@ -107,13 +108,12 @@ static bool read_patterns(FfpPhotographing *job, FfpError *err) {
 
 // The room's faults, with those that were asked for in their place.
 static FfpSensor sensor_of(const FfpRoom *room, const FfpSensor *asked) {
-    FfpSensor sensor = room->sensor;
-    sensor.exposure = asked->exposure;
-    if (asked->shot != 0) sensor.shot = asked->shot;
-    if (asked->read != 0) sensor.read = asked->read;
-    if (asked->defocus != 0) sensor.defocus = asked->defocus;
-    if (asked->gamma != 0) sensor.gamma = asked->gamma;
-    if (asked->black_level != 0) sensor.black_level = asked->black_level;
+    FfpSensor sensor = *asked;
+    if (sensor.shot == 0) sensor.shot = room->sensor.shot;
+    if (sensor.read == 0) sensor.read = room->sensor.read;
+    if (sensor.defocus == 0) sensor.defocus = room->sensor.defocus;
+    if (sensor.gamma == 0 && sensor.power == 0) sensor.gamma = room->sensor.gamma;
+    if (sensor.black_level == 0) sensor.black_level = room->sensor.black_level;
     return sensor;
 }
 
@@ -121,12 +121,14 @@ static void draw_rig(FfpPhotographing *job) {
     const FfpShown *shown = &job->shown;
     const int height = job->spec->resolution;
     job->sensor = job->spec->sensor;
+    ffp_sensor_settle(&job->sensor, job->options->room ? job->options->seed : job->spec->seed);
     if (job->options->room) {
         job->room =
             ffp_room_draw(job->options->seed, ffp_room_floor(job->mesh), height, shown->width, shown->height);
-        job->sensor = sensor_of(&job->room, &job->spec->sensor);
+        job->sensor = sensor_of(&job->room, &job->sensor);
     } else {
         job->room.rig = ffp_bare_rig(height, shown->width, shown->height);
+        if (job->options->other_projector) ffp_bare_rig_exchange(&job->room.rig);
     }
 }
 

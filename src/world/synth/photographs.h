@@ -12,7 +12,8 @@ typedef struct FfpPhotographs {
     const char *only;     // one of the folders below; NULL: all
     bool room;            // in the room that `seed` draws
     uint64_t seed;
-    int quality; // of JPEG files, 1 to 100
+    int quality;          // of JPEG files, 1 to 100
+    bool other_projector; // of a bare rig (ffp_bare_rig_exchange)
 } FfpPhotographs;
 
 // Written are <number>.png, 8-bit sRGB, or <number>.JPG in a room, of the same numbers as the patterns':

@@ -2,6 +2,7 @@
 #include <string.h>
 #include "core/base/rigid.h"
 #include "world/synth/photographing.h"
+#include "world/synth/sensor.h"
 
 static void print_numbers(FILE *f, const char *name, const double *values, int count) {
     fprintf(f, "  \"%s\": [", name);
@@ -67,6 +68,14 @@ static void print_board(FILE *f, const FfpPhotographing *job, const FfpPhotograp
     fputs("]}", f);
 }
 
+static void print_light(FILE *f, const FfpSensor *sensor) {
+    json_t *light = ffp_sensor_truth(sensor);
+    if (!light) return;
+    fputs(",\n  \"light\": ", f);
+    json_dumpf(light, f, JSON_REAL_PRECISION(6));
+    json_decref(light);
+}
+
 bool ffp_photographing_truth(const FfpPhotographing *job, FfpError *err) {
     char path[FFP_PATH_MAX];
     FfpOutput out;
@@ -87,7 +96,9 @@ bool ffp_photographing_truth(const FfpPhotographing *job, FfpError *err) {
             print_board(f, job, &job->subjects[s], between);
             between = ",\n";
         }
-    fputs("\n  ]\n}\n", f);
+    fputs("\n  ]", f);
+    print_light(f, &job->sensor);
+    fputs("\n}\n", f);
     const bool ok = ffp_output_commit(&out, err);
     ffp_output_abort(&out);
     return ok;

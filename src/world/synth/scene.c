@@ -94,7 +94,8 @@ static FfpLight make_light(const FfpCapture *capture, const FfpSensor *sensor, F
         emitted[p] = ffp_sensor_emit(images[p], sensor);
         images[p] = &emitted[p];
     }
-    const FfpLight light = ffp_light_new(images, capture->n_patterns);
+    FfpLight light = ffp_light_new(images, capture->n_patterns);
+    if (sensor->focus_blur > 0) ffp_light_soften(&light);
     ffp_free((void *)images);
     return light;
 }
@@ -218,6 +219,7 @@ static FfpSimulation simulation_of(const FfpSceneSpec *spec, Subject *subject, c
                            .shot = spec->sensor.shot,
                            .read = spec->sensor.read,
                            .seed = spec->seed,
+                           .sensor = &spec->sensor,
                            .around = subject->whole ? &subject->around : NULL,
                            .whole = subject->whole};
 }
@@ -245,8 +247,10 @@ bool ffp_scene_make_lit(FfpCapture *capture, const FfpSceneSpec *spec, FfpImage 
     *capture = (FfpCapture){0};
     if (!check_spec(spec, err)) return false;
     Subject subject;
+    FfpSceneSpec settled = *spec;
+    ffp_sensor_settle(&settled.sensor, spec->seed);
     make_subject(&subject, spec);
-    const bool ok = make_lit(capture, spec, &subject, visibility, err);
+    const bool ok = make_lit(capture, &settled, &subject, visibility, err);
     free_subject(&subject);
     return ok;
 }

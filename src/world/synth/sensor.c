@@ -10,6 +10,31 @@ static bool in_range(float value, float low, float high) {
     return value >= low && value <= high; // false for NaN
 }
 
+static bool check_light(const FfpSensor *s, FfpError *err) {
+    for (int c = 0; c < 3; c++)
+        if (!in_range(s->spread[c], 0, 0.5F))
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor", "spread %g is not in 0..0.5",
+                            (double)s->spread[c]);
+    if (!in_range(s->spread_reach, 0, 200) || !in_range(s->glare, 0, 0.5F) || !in_range(s->glare_reach, 0, 1))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor",
+                        "spread_reach %g, glare %g or glare_reach %g is not in 0..200, 0..0.5, 0..1",
+                        (double)s->spread_reach, (double)s->glare, (double)s->glare_reach);
+    if (!in_range(s->power, 0, 5) || (s->power > 0 && s->gamma != 0))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor",
+                        "power %g is not in 0..5, or gamma is set as well, which it replaces",
+                        (double)s->power);
+    if (!in_range(s->real_light, 0, 1) || !in_range(s->vignetting, 0, 0.9F) ||
+        !in_range(s->throw_fall, 0, 0.9F))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor",
+                        "real_light %g, vignetting %g or throw_fall %g is not in 0..1, 0..0.9, 0..0.9",
+                        (double)s->real_light, (double)s->vignetting, (double)s->throw_fall);
+    if (!in_range(s->focus_blur, 0, 64) || !in_range(s->focus_at, 0, 100))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor",
+                        "focus_blur %g or focus_at %g is not in 0..64, 0..100", (double)s->focus_blur,
+                        (double)s->focus_at);
+    return true;
+}
+
 bool ffp_sensor_check(const FfpSensor *s, FfpError *err) {
     if (!in_range(s->exposure, -8, 8))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor", "exposure %g is not in -8..8",
@@ -26,20 +51,28 @@ bool ffp_sensor_check(const FfpSensor *s, FfpError *err) {
     if (!in_range(s->turn_error, 0, 0.5F) || !in_range(s->shift_error, 0, 0.5F))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor", "pose errors %g and %g are not in 0..0.5",
                         (double)s->turn_error, (double)s->shift_error);
-    return true;
+    return check_light(s, err);
 }
 
 bool ffp_sensor_changes_light(const FfpSensor *s) {
-    return s->gamma != 0 || s->black_level > 0 || s->defocus > 0;
+    return s->gamma != 0 || s->power > 0 || s->black_level > 0 || s->defocus > 0 || s->spread[0] > 0 ||
+           s->spread[1] > 0 || s->spread[2] > 0;
+}
+
+// The light of a linear value whose sRGB encoding is in the file.
+static float bend(float value, const FfpSensor *s) {
+    if (s->power > 0) return powf((float)ffp_srgb_encode((real)value), s->power);
+    return s->gamma != 0 ? powf(value, 1 + s->gamma) : value;
 }
 
 FfpImage ffp_sensor_emit(const FfpImage *pattern, const FfpSensor *s) {
     FfpImage out = ffp_image_copy(pattern);
     const size_t values = (size_t)out.width * (size_t)out.height * (size_t)out.channels;
     for (size_t i = 0; i < values; i++) {
-        const float value = (float)out.data[i], bent = s->gamma != 0 ? powf(value, 1 + s->gamma) : value;
+        const float value = (float)out.data[i], bent = bend(value, s);
         out.data[i] = (real)(s->black_level + (1 - s->black_level) * bent);
     }
+    ffp_sensor_spread(&out, s);
     if (s->defocus > 0) ffp_image_blur(&out, (real)s->defocus);
     return out;
 }

@@ -72,8 +72,15 @@ static void light_sample(const FfpViewWork *w, size_t pixel, const FfpSample *s,
     Spread spread;
     spread_lookups(w, a, &s->hit, s->ray, &spread);
     for (int c = 0; c < 3; c++) colour[c] /= (float)spread.count;
+    const FfpLight *light = w->sim->light;
+    float *sum = ffp_lanes_of(w, w->sums.direct, pixel);
+    const float soft =
+        light->soft ? ffp_sensor_softness(w->sim->sensor, light->width, w->focus, a->local[2]) : 0;
     for (int i = 0; i < spread.inside; i++)
-        ffp_light_add(w->sim->light, &spread.texel[i], colour, ffp_lanes_of(w, w->sums.direct, pixel));
+        if (soft > 0)
+            ffp_light_add_soft(light, &spread.texel[i], soft, colour, sum);
+        else
+            ffp_light_add(light, &spread.texel[i], colour, sum);
 }
 
 static void direct_light(const FfpViewWork *w, size_t pixel, const FfpSample *samples, int count) {
@@ -341,25 +348,41 @@ static void smooth_indirect(FfpViewWork *w) {
     w->sums.bounce = bounce;
 }
 
-// Adds the indirect light and the noise, and passes the colour through what a PNG would keep of it.
-// `decoded`: the linear values of the 256 there are.
-static void compose_pixel(const FfpViewWork *w, size_t pixel, int pattern, const real decoded[256]) {
+// The light of a pixel: direct and indirect; of an object alone its own, whatever share of the pixel it has.
+static void light_pixel(const FfpViewWork *w, size_t pixel, int pattern) {
     real *colour = w->view->images[pattern].data + 3 * pixel;
     const real *albedo = w->view->albedo.data + 3 * pixel, cover = (real)w->sums.share[pixel];
     const int lanes = w->sim->light->lanes, lane = w->sim->light->lane[pattern];
-    const uint32_t key = (uint32_t)(w->sim->first_pattern + pattern) + 1;
-    const bool whole = w->sim->photograph; // the pixel's light, not the share that is the object's
     const float *ambient = w->sums.ambient + 3 * pixel;
     const float *direct = ffp_lanes_of(w, w->sums.direct, pixel),
                 *bounce = ffp_lanes_of(w, w->sums.bounce, pixel);
     for (int c = 0; c < 3; c++) {
         const int at = c * lanes + lane;
         const float lit = lane < 0 ? 0 : direct[at], incoming = ambient[c] + (lane < 0 ? 0 : bounce[at]);
-        const float own = (float)(lit + albedo[c] * incoming), light = whole ? (float)cover * own : own;
-        if (w->sim->light_only) {
-            colour[c] = (real)light;
-            continue;
-        }
+        const float own = (float)(lit + albedo[c] * incoming);
+        colour[c] = (real)(w->sim->photograph ? (float)cover * own : own);
+    }
+}
+
+// The camera's lens on the light of a picture. Of an object alone it is the light of its share of the pixels.
+static void see_picture(const FfpViewWork *w, int pattern) {
+    FfpImage *image = &w->view->images[pattern];
+    const size_t values = (size_t)image->width * (size_t)image->height * 3;
+    for (size_t i = 0; i < values && !w->sim->photograph; i++) image->data[i] *= (real)w->sums.share[i / 3];
+    ffp_sensor_see(image, w->sim->sensor, &w->view->camera);
+    for (size_t i = 0; i < values && !w->sim->photograph; i++)
+        image->data[i] = w->sums.share[i / 3] > 0 ? image->data[i] / (real)w->sums.share[i / 3] : 0;
+}
+
+// Adds the noise, and passes the colour through what a PNG would keep of it. `decoded`: the linear values of
+// the 256 there are.
+static void record_pixel(const FfpViewWork *w, size_t pixel, int pattern, const real decoded[256]) {
+    real *colour = w->view->images[pattern].data + 3 * pixel;
+    const real cover = (real)w->sums.share[pixel];
+    const uint32_t key = (uint32_t)(w->sim->first_pattern + pattern) + 1;
+    const bool whole = w->sim->photograph; // the pixel's light, not the share that is the object's
+    for (int c = 0; c < 3; c++) {
+        const float light = (float)colour[c];
         const float seen = ffp_sensor_noise(light, w->sim->shot, w->sim->read,
                                             (uint32_t)(3 * pixel) + (uint32_t)c, w->seed + 0x3c6ef372U * key);
         const float encoded = roundf(255 * (float)ffp_srgb_encode((real)seen));
@@ -368,17 +391,31 @@ static void compose_pixel(const FfpViewWork *w, size_t pixel, int pattern, const
     }
 }
 
+// Pixels without light are left as they are, but for those of a photograph.
+static void compose_row(const FfpViewWork *w, int y, const real *decoded) {
+    const int width = w->view->camera.width;
+    for (int x = 0; x < width; x++) {
+        const size_t pixel = (size_t)y * (size_t)width + (size_t)x;
+        if (w->sums.hits[pixel] <= 0 && !w->sim->photograph) continue;
+        for (int p = 0; p < w->sim->light->n_patterns; p++)
+            if (decoded)
+                record_pixel(w, pixel, p, decoded);
+            else
+                light_pixel(w, pixel, p);
+    }
+}
+
 static void compose(const FfpViewWork *w) {
-    const int width = w->view->camera.width, height = w->view->camera.height;
+    const int height = w->view->camera.height;
     real decoded[256];
     for (int i = 0; i < 256; i++) decoded[i] = ffp_srgb_decode((real)i / 255);
 #pragma omp parallel for schedule(static)
-    for (int y = 0; y < height; y++)
-        for (int x = 0; x < width; x++) {
-            const size_t pixel = (size_t)y * (size_t)width + (size_t)x;
-            if (w->sums.hits[pixel] <= 0 && !w->sim->photograph) continue;
-            for (int p = 0; p < w->sim->light->n_patterns; p++) compose_pixel(w, pixel, p, decoded);
-        }
+    for (int y = 0; y < height; y++) compose_row(w, y, NULL);
+    if (w->sim->light_only) return;
+    for (int p = 0; p < w->sim->light->n_patterns; p++)
+        if (w->sim->sensor && ffp_sensor_has_lens(w->sim->sensor)) see_picture(w, p);
+#pragma omp parallel for schedule(static)
+    for (int y = 0; y < height; y++) compose_row(w, y, decoded);
 }
 
 static void work_begin(FfpViewWork *w) {
@@ -403,6 +440,11 @@ static void work_end(FfpViewWork *w) {
     ffp_free(w->sums.share);
 }
 
+static float focus_of(const FfpViewWork *w) {
+    const float origin = -ffp_along(w->projector.axes + 6, w->projector.origin);
+    return w->sim->sensor ? w->sim->sensor->focus_at * origin : 0;
+}
+
 void ffp_simulate_view(const FfpSimulation *simulation, FfpView *view, uint32_t stream,
                        FfpImage *visibility) {
     const int width = view->camera.width, height = view->camera.height;
@@ -424,6 +466,7 @@ void ffp_simulate_view(const FfpSimulation *simulation, FfpView *view, uint32_t 
                      .seed =
                          ffp_hash32((uint32_t)simulation->seed ^
                                     ffp_hash32((uint32_t)(simulation->seed >> 32) ^ ffp_hash32(stream + 1)))};
+    w.focus = focus_of(&w);
     work_begin(&w);
     trace_all(&w);
     smooth_indirect(&w);

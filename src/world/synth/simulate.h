@@ -8,6 +8,7 @@
 #include "core/capture/capture.h"
 #include "world/synth/light.h"
 #include "world/synth/material.h"
+#include "world/synth/synth.h"
 #include "world/synth/texture.h"
 #include "world/synth/trace.h"
 
@@ -22,12 +23,13 @@ typedef struct FfpSimulation {
     float shot, read;          // noise of the images (ffp_sensor_noise)
     uint64_t seed;
     // Real devices; all NULL or 0: ideal ones.
+    const FfpSensor *sensor; // settled; what is real light in it. The light is soft if it has focus_blur
     const double *camera_lens, *projector_lens; // core/base/lens.h
     const struct FfpChessboard *board;          // instead of material and textures
     const struct FfpSurroundings *around;       // the mesh goes on with a room; NULL: the object is alone
     bool whole;        // what is around is not the object's room but part of it: all of it has coverage
     bool photograph;   // images are what a camera without alpha takes: light, then noise, of every pixel
-    bool light_only;   // of a photograph: images are linear light, without noise and rounding
+    bool light_only;   // of a photograph: images are linear light, before the camera's lens, without noise
     int first_pattern; // of the light's among all that are photographed: by it noise is drawn
 } FfpSimulation;
 

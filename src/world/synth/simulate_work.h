@@ -29,6 +29,7 @@ typedef struct FfpViewWork {
     FfpView *view;
     FfpImage *visibility;
     FfpTracedDevice camera, projector;
+    float focus; // depth of the projector's focal plane
     FfpViewSums sums;
     uint32_t seed;
 } FfpViewWork;

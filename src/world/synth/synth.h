@@ -18,6 +18,15 @@ typedef struct FfpSensor {
     float gamma;   // the projector sends value^(1 + gamma) ...
     float black_level;             // ... and this share of white where a pattern is black
     float turn_error, shift_error; // of all written poses: deviation, radians and world units on each axis
+    // Real light. The projector's pictures are P' = (1 - r) P + r (G * P), the camera's likewise; what is 0
+    // and on is as ffp_sensor_settle says.
+    float real_light;              // strength at which all below is drawn; 0: only what is set
+    float spread[3], spread_reach; // r of each channel; deviation of G, pixels of a panel 800 wide
+    float glare, glare_reach;      // r of the camera; deviation of G, share of the picture's longer side
+    float power;                   // the projector sends the file's value^power, instead of sRGB and gamma
+    float vignetting, throw_fall;  // of camera and projector: light falls by this share at half a diagonal
+    float focus_blur, focus_at;    // deviation, pixels of a panel 800 wide a world unit off the focal plane;
+                                   // the plane's distance, relative to the origin's
 } FfpSensor;
 
 // How the input views are taken.

@@ -1,5 +1,6 @@
 #include "world/synth/walk_photographs.h"
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include "core/base/file.h"
 #include "core/base/log.h"
@@ -79,6 +80,7 @@ static bool photograph(const Job *job, int index, const FfpLight *light, int fir
                                       .ambient_rays = spec->ambient_rays,
                                       .shot = spec->sensor.shot,
                                       .read = spec->sensor.read,
+                                      .sensor = &spec->sensor,
                                       .camera_lens = camera_lens,
                                       .projector_lens = projector_lens,
                                       .photograph = true,
@@ -106,6 +108,7 @@ static bool photograph_batch(Job *job, int first, int count, FfpError *err) {
     }
     if (ok) {
         FfpLight light = ffp_light_new(images, count);
+        if (job->spec->sensor.focus_blur > 0) ffp_light_soften(&light);
         for (int p = 0; ok && p < job->spec->views; p++) {
             ok = photograph(job, p, &light, first, err);
             ffp_task_step(&job->task, job->done += count, NULL);
@@ -153,6 +156,19 @@ static FfpRigid to_device(const FfpCamera *device) {
     return out;
 }
 
+// truth.json, where there is real light.
+static bool write_light(const Job *job, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    json_t *light = ffp_sensor_truth(&job->spec->sensor);
+    if (!light) return true;
+    json_t *root = json_pack("{s:o}", "light", light);
+    char *text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(6));
+    const bool ok = path_in(job, "truth.json", path, err) && ffp_write_file(path, text, strlen(text), err);
+    free(text);
+    json_decref(root);
+    return ok;
+}
+
 static bool write_truth(const Job *job, FfpError *err) {
     const int views = job->spec->views;
     FfpColmapImage *images = ffp_alloc((size_t)views + 1, sizeof *images);
@@ -170,7 +186,7 @@ static bool write_truth(const Job *job, FfpError *err) {
     const FfpColmapModel model = {
         .cameras = devices, .images = images, .n_cameras = 2, .n_images = views + 1};
     const bool ok = path_in(job, "colmap", path, err) && ffp_make_folders(path, err) &&
-                    ffp_colmap_write(&model, path, err);
+                    ffp_colmap_write(&model, path, err) && write_light(job, err);
     ffp_free(images), ffp_free(files);
     return ok;
 }
@@ -189,7 +205,9 @@ static bool write_folder(Job *job, const char *folder, FfpError *err) {
 
 bool ffp_walk_photographs_write(const char *folder, const char *patterns, const FfpSceneSpec *spec,
                                 FfpError *err) {
-    Job job = {.spec = spec, .material = ffp_material_make(spec->material, spec->seed)};
+    FfpSceneSpec settled = *spec;
+    ffp_sensor_settle(&settled.sensor, spec->seed);
+    Job job = {.spec = &settled, .material = ffp_material_make(spec->material, spec->seed)};
     if (!ffp_photographs_check(spec, err) || !ffp_shown_list(&job.shown, patterns, err)) return false;
     job.walk = ffp_walk_draw(spec);
     job.around = ffp_around_new(&job.walk.room, NULL, 0);

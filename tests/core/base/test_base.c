@@ -85,17 +85,23 @@ static void errors_say_what_and_where(void **state) {
     FfpError err = {0};
     assert_false(ffp_fail(&err, FFP_ERROR_FILE, "a.json: views[3].c2w", "must be %d", 4));
     assert_string_equal(err.text, "must be 4 (a.json: views[3].c2w)");
+    assert_string_equal(err.where, "a.json: views[3].c2w");
     assert_int_equal(err.code, FFP_ERROR_FILE);
-    assert_false(ffp_fail(&err, FFP_ERROR_ARGUMENT, NULL, "%s again", err.text)); // may quote itself
-    assert_string_equal(err.text, "must be 4 (a.json: views[3].c2w) again");
+    assert_false(ffp_fail(&err, FFP_ERROR_FILE, err.where, "%s again", err.text)); // may quote itself
+    assert_string_equal(err.text, "must be 4 (a.json: views[3].c2w) again (a.json: views[3].c2w)");
+    assert_string_equal(err.where, "a.json: views[3].c2w");
+    assert_false(ffp_fail(&err, FFP_ERROR_ARGUMENT, "(\n)", "no"));
+    assert_string_equal(err.where, "(?)");
     assert_false(ffp_fail(&err, FFP_ERROR_ARGUMENT, NULL, "bell\a escape\033[31m line\n"));
     assert_string_equal(err.text, "bell? escape?[31m line?");
+    assert_string_equal(err.where, "");
     assert_false(ffp_fail(NULL, FFP_ERROR_ARGUMENT, NULL, "nobody listens"));
     char text[5000];
     memset(text, 'x', sizeof text);
     text[sizeof text - 1] = 0;
     assert_false(ffp_fail(&err, FFP_ERROR_ARGUMENT, text, "%s", text));
     assert_int_equal(strlen(err.text), sizeof err.text - 1);
+    assert_int_equal(strlen(err.where), sizeof err.where - 1);
 }
 
 static void files_come_back_whole(void **state) {

@@ -63,6 +63,32 @@ static void test_own_colour_stays(void **state) {
     world_free(&w);
 }
 
+// All views by one factor, with all their photographs.
+static void test_narrowed(void **state) {
+    (void)state;
+    World w;
+    world_new(&w, 0.4F);
+    FfpView both[2] = {w.view, w.view};
+    both[1].camera.width /= 2, both[1].camera.height /= 2; // as of a camera with fewer pixels
+    both[1].coverage = ffp_image_resize(&w.view.coverage, WIDE / 2, HIGH / 2);
+    FfpImage images[PATTERNS] = {0};
+    for (int p = 0; p < PATTERNS - 1; p++) images[p] = ffp_image_resize(&w.images[p], WIDE / 2, HIGH / 2);
+    both[1].images = images;
+    FfpCapture two = w.capture;
+    two.n_views = 2, two.views = both;
+    FfpCapture small = ffp_capture_narrowed(&two, 18);
+    assert_int_equal(small.views[0].camera.width, 18);
+    assert_int_equal(small.views[0].camera.height, 12);
+    assert_int_equal(small.views[1].camera.width, 9);
+    assert_float_equal(small.views[0].camera.fx, 15, 1e-5F);
+    for (int p = 0; p < PATTERNS; p++)
+        assert_int_equal(small.views[1].images[p].data != NULL, p < PATTERNS - 1);
+    ffp_capture_reduced_free(&small);
+    for (int p = 0; p < PATTERNS; p++) ffp_image_free(&images[p]);
+    ffp_image_free(&both[1].coverage);
+    world_free(&w);
+}
+
 // Encoding and its reverse, for random radiance and coverage.
 static void test_shown_and_own(void **state) {
     (void)state;
@@ -81,6 +107,7 @@ static void test_shown_and_own(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_own_colour_stays),
+        cmocka_unit_test(test_narrowed),
         cmocka_unit_test(test_shown_and_own),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

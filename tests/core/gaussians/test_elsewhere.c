@@ -8,6 +8,7 @@
 #include "core/base/call.h"
 #include "core/base/file.h"
 #include "core/gaussians/elsewhere.h"
+#include "scratch.h"
 #include "support.h"
 
 #define CORPUS FFP_SOURCE_DIR "/tests/fuzz/corpus/"
@@ -60,6 +61,7 @@ static void test_every_form(void **state) {
     hold("gltf/linear.glb", floats, true, 1e-6);
     hold("gltf/hidden.glb", floats, false, 1e-6); // another scene has them once more
     hold("spz/plain.spz", bytes, false, 2e-3);
+    hold("gltf/packed.glb", bytes, false, 2e-3);
     hold("spz/streams.spz", bytes, false, 2e-3);
     hold("gltf/camera.glb", floats, false, 1e-6);
     hold("gltf/beside.gltf", floats, false, 1e-6);
@@ -98,7 +100,8 @@ static void test_what_is_not_read_is_refused_by_name(void **state) {
     refused("ply/no_chunk.ply", "element chunk: 0 before 2 vertices");
     refused("spz/short.spz", "ends before its 2 Gaussians do");
     refused("spz/many.spz", "40000000 Gaussians do not fit");
-    refused("gltf/packed.glb", "compressed (KHR_gaussian_splatting_compression_spz_2)");
+    refused("gltf/packed_nowhere.glb", "spz_2: its bufferView is not inside a buffer");
+    refused("gltf/packed_else.glb", "compressed (EXT_other_compression)");
     refused("gltf/above.gltf", "is not a file beside it");
     refused("gltf/negative.glb", "Gaussian 0: invalid scale_0");
     refused("gltf/size.glb", "Gaussian 0: invalid scale_0");
@@ -131,6 +134,60 @@ static void covariance(const FfpGaussians *g, int64_t i, double s[9]) {
             s[k] += r[3 * (k / 3) + j] * r[3 * (k % 3) + j] * scale * scale;
         }
     }
+}
+
+// Whatever the axes, the splats lie where their names say; spheres aside, covariances tell of turns.
+static void test_axes_that_a_file_names(void **state) {
+    (void)state;
+    static const char *const names[] = {"spz/axes.spz", "spz/axes_zipped.spz", "spz/axes_plain.spz"};
+    double still[9], turned[9];
+    FfpGaussians from = read_seed("spz/version3.spz");
+    covariance(&from, 0, still);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        FfpGaussians g = read_seed(names[i]);
+        for (int k = 0; k < 3; k++) assert_close(g.centre[k], (double)from.centre[k], 1e-6);
+        covariance(&g, 0, turned);
+        for (int k = 0; k < 9; k++) assert_close((real)turned[k], still[k], 1e-5);
+        ffp_gaussians_free(&g);
+    }
+    ffp_gaussians_free(&from);
+    static const struct {
+        unsigned char number;
+        double at[3];
+    } cases[] = {
+        {3, {-0.5, 1, -2}}, {12, {0.5, -2, -1}}, {13, {-0.5, 2, 1}}, {0, {0.5, 1, -2}}, {99, {0.5, 1, -2}}};
+    size_t size;
+    char *bytes;
+    assert_true(ffp_read_file(CORPUS "spz/axes.spz", 1 << 20, &bytes, &size, NULL));
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        FfpGaussians g;
+        FfpError err = {0};
+        bytes[52] = (char)cases[i].number;
+        assert_true(ffp_write_file(in_scratch("axes.spz"), bytes, size, NULL));
+        if (!ffp_gaussians_read(&g, in_scratch("axes.spz"), &err)) fail_msg("%s", err.text);
+        for (int k = 0; k < 3; k++) assert_close(g.centre[k], cases[i].at[k], 1e-3);
+        ffp_gaussians_free(&g);
+    }
+    ffp_free(bytes);
+}
+
+// A .splat has no mark: its first bytes, of a number, are those of JSON now and then.
+static void test_splats_that_begin_like_json(void **state) {
+    (void)state;
+    static const char *const heads[] = {"{", " {", "\n\t{", "\xef\xbb\xbf{"};
+    size_t size;
+    char *bytes;
+    assert_true(ffp_read_file(CORPUS "splat/two.splat", 1 << 20, &bytes, &size, NULL));
+    for (size_t i = 0; i < sizeof heads / sizeof *heads; i++) {
+        FfpGaussians g;
+        FfpError err = {0};
+        memcpy(bytes, heads[i], strlen(heads[i]));
+        assert_true(ffp_write_file(in_scratch("brace.splat"), bytes, size, NULL));
+        if (!ffp_gaussians_read(&g, in_scratch("brace.splat"), &err)) fail_msg("%s", err.text);
+        assert_int_equal(g.count, 2);
+        ffp_gaussians_free(&g);
+    }
+    ffp_free(bytes);
 }
 
 // The parent mirrors z, triples it and adds (1,0,0); the node turns x to y to z to x and doubles.
@@ -226,6 +283,8 @@ static void test_damaged(void **state) {
     damage("splat/two.splat", "test_elsewhere.splat");
     damage("gltf/splats.glb", "test_elsewhere.glb");
     damage("gltf/splats.gltf", "test_elsewhere.gltf");
+    damage("gltf/packed.glb", "test_elsewhere.glb");
+    damage("spz/axes.spz", "test_elsewhere.spz");
 }
 
 static void test_foreign_files_are_named(void **state) {
@@ -253,7 +312,7 @@ static void test_foreign_files_are_named(void **state) {
 }
 
 typedef struct Heard {
-    const char *name;
+    const char *path;
     char text[4096];
 } Heard;
 
@@ -265,17 +324,88 @@ static void hear(void *user, FfpLogLevel level, const char *text) {
 
 static bool read_in_call(void *argument, FfpError *err) {
     (void)err;
-    FfpGaussians g = read_seed(((Heard *)argument)->name);
+    FfpGaussians g;
+    if (!ffp_gaussians_read(&g, ((Heard *)argument)->path, err)) return false;
     ffp_gaussians_free(&g);
     return true;
 }
 
-static void expect_note(const char *name, const char *part, bool said) {
-    Heard heard = {.name = name};
+static void expect_note_of(const char *path, const char *part, bool said) {
+    Heard heard = {.path = path};
     FfpError err = {0};
     FfpContext context = {.settings = {.user = &heard, .log = hear}};
-    assert_true(ffp_call_run(&context, read_in_call, &heard, &err));
-    if (!strstr(heard.text, part) == said) fail_msg("%s: \"%s\" in \"%s\"", name, part, heard.text);
+    if (!ffp_call_run(&context, read_in_call, &heard, &err)) fail_msg("%s", err.text);
+    if (!strstr(heard.text, part) == said) fail_msg("%s: \"%s\" in \"%s\"", path, part, heard.text);
+}
+
+static void expect_note(const char *name, const char *part, bool said) {
+    char path[FFP_PATH_MAX];
+    snprintf(path, sizeof path, CORPUS "%s", name);
+    expect_note_of(path, part, said);
+}
+
+// Twenty splats in a row, as text; their logits and logarithms grow by `more` from the first to the last.
+static void put_row_of_splats(const char *path, const char *first_x, double logit, double size, double more) {
+    FILE *out = fopen(path, "w");
+    assert_non_null(out);
+    fputs("ply\nformat ascii 1.0\nelement vertex 20\n", out);
+    static const char *const names[] = {"x",      "y",       "z",       "f_dc_0",  "f_dc_1",
+                                        "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
+                                        "rot_0",  "rot_1",   "rot_2",   "rot_3"};
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) fprintf(out, "property float %s\n", names[k]);
+    fputs("end_header\n", out);
+    for (int i = 0; i < 20; i++) {
+        const double s = size + more * i / 20;
+        if (i == 0)
+            fputs(first_x, out);
+        else
+            fprintf(out, "%g", 0.1 * i);
+        fprintf(out, " 0 0 0 0 0 %g %g %g %g 1 0 0 0\n", logit + more * i / 20, s, s, s);
+    }
+    assert_int_equal(fclose(out), 0);
+}
+
+static void test_numbers_that_were_not_encoded(void **state) {
+    (void)state;
+    const char *path = in_scratch("row.ply"), *large = "larger than a tenth",
+               *middling = "between 0.5 and 0.73";
+    put_row_of_splats(path, "0", -2, -4, 4);
+    expect_note_of(path, large, false);
+    expect_note_of(path, middling, false);
+    put_row_of_splats(path, "0", -2, 0.01, 0.02); // sizes
+    expect_note_of(path, large, true);
+    expect_note_of(path, middling, false);
+    put_row_of_splats(path, "0", 0.1, -4, 0.8); // opacities
+    expect_note_of(path, large, false);
+    expect_note_of(path, middling, true);
+}
+
+static void test_old_words_for_nan(void **state) {
+    (void)state;
+    static const char *const words[] = {"1.#QNAN", "-1.#IND000", "1.#INF", "1.#J", "-nan(ind)"};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        put_row_of_splats(in_scratch("row.ply"), words[i], -2, -4, 4);
+        expect_note_of(in_scratch("row.ply"), "left out 1 of 20 splats", true);
+    }
+}
+
+static void test_files_that_go_on(void **state) {
+    (void)state;
+    static const char *const names[] = {"splat/two.splat", "ply/big.ply", "gltf/splats.glb"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char path[FFP_PATH_MAX], *bytes;
+        size_t size;
+        snprintf(path, sizeof path, CORPUS "%s", names[i]);
+        assert_true(ffp_read_file(path, 1 << 20, &bytes, &size, NULL));
+        FILE *out = fopen(in_scratch(strrchr(names[i], '/') + 1), "wb");
+        assert_non_null(out);
+        fwrite(bytes, 1, size, out);
+        fputs("thirteen more", out);
+        assert_int_equal(fclose(out), 0);
+        expect_note_of(in_scratch(strrchr(names[i], '/') + 1), "13 bytes after its last splat are left out",
+                       true);
+        ffp_free(bytes);
+    }
 }
 
 static void test_notes(void **state) {
@@ -303,14 +433,20 @@ static void test_base64(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_every_form),
-                                       cmocka_unit_test(test_what_is_not_read_is_refused_by_name),
-                                       cmocka_unit_test(test_nodes_move_splats),
-                                       cmocka_unit_test(test_packed_rotations),
-                                       cmocka_unit_test(test_several_sets_and_thin_splats),
-                                       cmocka_unit_test(test_foreign_files_are_named),
-                                       cmocka_unit_test(test_notes),
-                                       cmocka_unit_test(test_damaged),
-                                       cmocka_unit_test(test_base64)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_form),
+        cmocka_unit_test(test_what_is_not_read_is_refused_by_name),
+        cmocka_unit_test_setup_teardown(test_splats_that_begin_like_json, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_axes_that_a_file_names, scratch_setup, scratch_teardown),
+        cmocka_unit_test(test_nodes_move_splats),
+        cmocka_unit_test(test_packed_rotations),
+        cmocka_unit_test(test_several_sets_and_thin_splats),
+        cmocka_unit_test(test_foreign_files_are_named),
+        cmocka_unit_test(test_notes),
+        cmocka_unit_test_setup_teardown(test_numbers_that_were_not_encoded, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_old_words_for_nan, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_files_that_go_on, scratch_setup, scratch_teardown),
+        cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_base64)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

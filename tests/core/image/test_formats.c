@@ -139,16 +139,6 @@ static void turning_is_said(void **state) {
     }
 }
 
-// The lens is in a directory of its own; cut anywhere, the data say nothing.
-static void the_lens_is_read(void **state) {
-    (void)state;
-    static const unsigned char exif[] = "MM\0*\0\0\0\x08\0\x01\x87\x69\0\x04\0\0\0\x01\0\0\0\x1a\0\0\0\0"
-                                        "\0\x01\xa4\x05\0\x03\0\0\0\x01\0\x32\0\0\0\0\0\0";
-    static const size_t needed = 0x1a + 2 + 10;
-    for (size_t size = 0; size < sizeof exif; size++)
-        assert_int_equal(ffp_exif_focal_35mm(exif, size), size >= needed ? 50 : 0);
-}
-
 static void jpeg_is_turned_as_the_camera_was(void **state) {
     (void)state;
     unsigned char pixels[48 * 16 * 3], exif[64];
@@ -562,7 +552,6 @@ int main(void) {
         cmocka_unit_test(flat_png_is_not_truncated),
         cmocka_unit_test(cmyk_jpeg_is_read),
         cmocka_unit_test(turning_is_said),
-        cmocka_unit_test(the_lens_is_read),
         cmocka_unit_test(jpeg_is_turned_as_the_camera_was),
         cmocka_unit_test(tiff_is_read),
         cmocka_unit_test(tiff_holds_raw_numbers_too),

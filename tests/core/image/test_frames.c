@@ -139,7 +139,7 @@ static void pictures_of_webp_show_as_long_as_they_say(void **state) {
     static const struct {
         const char *part;
         int rate, red, green;
-    } parts[] = {{"", 5, 1, 3}, {"", 0, 1, 1}, {"", 10, 2, 6}, {"@0.3-0.5", 10, 0, 2}, {"@0.1", 5, 1, 0}};
+    } parts[] = {{"", 5, 1, 3}, {"", 0, 3, 9}, {"", 10, 2, 6}, {"@0.3-0.5", 10, 0, 2}, {"@0.1", 5, 1, 0}};
     char command[1024], name[64];
     need_ffmpeg();
     snprintf(
@@ -233,10 +233,106 @@ static void films_keep_their_size(void **state) {
     ffp_image_free(&picture);
 }
 
+// The left half of each field's lines moves on between the two: whole frames have no combs.
+static void interlaced_frames_are_made_whole(void **state) {
+    (void)state;
+    need_ffmpeg();
+    char command[1024];
+    snprintf(
+        command, sizeof command,
+        "ffmpeg -loglevel error -nostdin -y -f lavfi -i \"nullsrc=s=64x48:r=50:d=0.4,geq=lum='if(lt(X,8+4*N)"
+        ",235,16)':cb=128:cr=128,format=yuv420p,tinterlace=interleave_top,setfield=tff\" -c:v mpeg2video "
+        "-flags +ilme+ildct -q:v 2 %s/fields.mpg",
+        scratch);
+    if (system(command) != 0) fail_msg("%s", command);
+    FfpFrames frames;
+    FfpRaw frame;
+    FfpError err = {0};
+    int combs = 0;
+    if (!ffp_frames_open(&frames, in_scratch("fields.mpg"), 0, &err)) fail_msg("%s", err.text);
+    assert_true(frames.rate.frames == 25 * frames.rate.seconds);
+    while (ffp_frames_next(&frames, &frame, &err) > 0)
+        for (int y = 8; frames.count > 1 && y < 40; y++) {
+            const unsigned char *at = (const unsigned char *)frame.data + (ptrdiff_t)3 * 64 * y;
+            for (int x = 0; x < 64; x++)
+                combs += abs(at[3 * x] - at[3 * (x - 64)]) > 100 && abs(at[3 * x] - at[3 * (x + 64)]) > 100;
+        }
+    assert_true(frames.count > 5);
+    ffp_frames_close(&frames);
+    assert_int_equal(combs, 0);
+}
+
+typedef struct Copied {
+    const char *name;
+    int rate;
+    char words[512];
+} Copied;
+
+static void hear_copy(void *user, FfpLogLevel level, const char *text) {
+    (void)level;
+    Copied *copied = user;
+    strncat(copied->words, text, sizeof copied->words - strlen(copied->words) - 1);
+}
+
+static bool copy_film(void *argument, FfpError *err) {
+    const Copied *copied = argument;
+    FfpFilm film;
+    FfpFrames frames;
+    FfpRaw frame;
+    FfpImage picture = ffp_image_new(16, 16, 3);
+    bool ok = ffp_film_open(&film, in_scratch(copied->name), 0, 0, err) &&
+              ffp_frames_open(&frames, in_scratch("sounds.mkv@0.2-1"), copied->rate, err);
+    if (ok) ffp_film_follow(&film, &frames);
+    while (ok && ffp_frames_next(&frames, &frame, err) > 0) ok = ffp_film_add(&film, &picture, err);
+    ffp_frames_close(&frames);
+    ffp_image_free(&picture);
+    return ok && ffp_film_commit(&film, err);
+}
+
+// Of a part, at a rate that is not whole.
+static void a_film_keeps_its_rate_and_sound(void **state) {
+    (void)state;
+    static const struct {
+        const char *name, *note;
+        bool sound;
+    } copies[] = {{"copy.mp4", "", true},
+                  {"copy.mkv", "", true},
+                  {"copy.png", "without the sound of sounds.mkv", false}};
+    need_ffmpeg();
+    char command[1024];
+    snprintf(command, sizeof command,
+             "ffmpeg -loglevel error -nostdin -y -f lavfi -i testsrc2=s=32x32:r=30000/1001:d=1 -f lavfi -i "
+             "sine=d=1 "
+             "-c:v mpeg4 -c:a flac %s/sounds.mkv",
+             scratch);
+    if (system(command) != 0) fail_msg("%s", command);
+    for (size_t i = 0; i < sizeof copies / sizeof *copies; i++) {
+        Copied copied = {.name = copies[i].name};
+        FfpError err = {0};
+        FfpStream stream;
+        FfpContext context = {.settings = {.user = &copied, .log = hear_copy}};
+        if (!ffp_call_run(&context, copy_film, &copied, &err)) fail_msg("%s", err.text);
+        ffp_stream_probe(&stream, in_scratch(copies[i].name));
+        assert_int_equal(stream.rate.frames, 30000);
+        assert_int_equal(stream.rate.seconds, 1001);
+        assert_true(ffp_stream_has_sound(in_scratch(copies[i].name)) == copies[i].sound);
+        if (copies[i].sound && !(fabs(stream.seconds - 0.8) < 0.1)) fail_msg("%g s", stream.seconds);
+        assert_null(strstr(copied.words, "frames a second"));
+        if (*copies[i].note && !strstr(copied.words, copies[i].note)) fail_msg("said \"%s\"", copied.words);
+    }
+    Copied slow = {.name = "slow.mkv", .rate = 10};
+    FfpContext context = {.settings = {.user = &slow, .log = hear_copy}};
+    assert_true(ffp_call_run(&context, copy_film, &slow, NULL));
+    assert_non_null(strstr(slow.words, "read at 10 frames a second, not at its own 29.97"));
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(films_of_many_kinds), cmocka_unit_test(pictures_of_webp_show_as_long_as_they_say),
-        cmocka_unit_test(damaged_webp_is_refused), cmocka_unit_test(animated_pictures),
-        cmocka_unit_test(films_keep_their_size)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(films_of_many_kinds),
+                                       cmocka_unit_test(pictures_of_webp_show_as_long_as_they_say),
+                                       cmocka_unit_test(damaged_webp_is_refused),
+                                       cmocka_unit_test(animated_pictures),
+                                       cmocka_unit_test(films_keep_their_size),
+                                       cmocka_unit_test(interlaced_frames_are_made_whole),
+                                       cmocka_unit_test(a_film_keeps_its_rate_and_sound)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

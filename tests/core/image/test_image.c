@@ -249,6 +249,10 @@ static void reduced_pictures_are_means(void **state) {
         assert_true(ffp_image_read_reduced(&small, NULL, size, names[k > 0], false, SHRINK, rough, NULL));
         assert_true(size[0] == SIDE && size[1] == SIDE && small.width == SIDE / SHRINK &&
                     small.height == SIDE / SHRINK);
+        // Not reduced, it is the same to the bit.
+        assert_true(ffp_image_read_reduced(&small, NULL, size, names[k > 0], false, 1, rough, NULL));
+        assert_memory_equal(small.data, whole.data, 3 * SIDE * SIDE * sizeof *whole.data);
+        ffp_image_free(&small);
         ffp_image_reduce(&whole, SHRINK);
         double most = 0, sum = 0;
         for (int i = 0; i < 3 * small.width * small.height; i++) {
@@ -351,6 +355,25 @@ static void bad_files_are_refused(void **state) {
     expect_refusal(in_scratch("empty.png"), "file is empty");
     assert_true(ffp_write_file(in_scratch("text.png"), "hello, world", 12, NULL));
     expect_refusal(in_scratch("text.png"), "is not a PNG, JPEG, TIFF or EXR image");
+    static const struct {
+        const char *name, *bytes, *words;
+    } drawn[] = {{"a.kra", "PK\3\4", "is a Krita document, which is not supported: export it as PNG"},
+                 {"a.Procreate", "PK\3\4", "is a Procreate document"},
+                 {"a.tga", "\2\2\2", "is a TGA picture"},
+                 {"a.cube", "TITLE \"x\"", "is a table of colours (LUT), which is not supported: a picture"},
+                 {"b.png", "gimp xcf v011", "is a GIMP document (XCF)"},
+                 {"b.png", "%!PS-Adobe-3.0", "is a PostScript drawing"},
+                 {"b.png",
+                  "PK\3\4"
+                  "..........................mimetypeimage/openraster",
+                  "is an OpenRaster document"},
+                 {"b.png", "<?xml version=\"1.0\"?>\n<!-- drawn --><svg width=\"3\">", "is an SVG drawing"},
+                 {"b.png", "\xef\xbb\xbf <svg>", "is an SVG drawing"},
+                 {"b.png", "<html><svg>", "is not a PNG, JPEG"}};
+    for (size_t i = 0; i < sizeof drawn / sizeof *drawn; i++) {
+        assert_true(ffp_write_file(in_scratch(drawn[i].name), drawn[i].bytes, strlen(drawn[i].bytes), NULL));
+        expect_refusal(in_scratch(drawn[i].name), drawn[i].words);
+    }
     write_png_header(in_scratch("large.png"), 20000, 20000);
     expect_refusal(in_scratch("large.png"), "image size 20000 x 20000");
     write_png_header(in_scratch("zero.png"), 0, 5);

@@ -50,8 +50,8 @@ static cmsUInt32Number make_inks(unsigned char *bytes, cmsUInt32Number room) {
 }
 
 typedef struct Png {
-    const unsigned char *icc, *points; // points: cICP
-    size_t icc_size;
+    const unsigned char *icc, *points, *exif; // points: cICP
+    size_t icc_size, exif_size;
     int gamma;
 } Png;
 
@@ -68,6 +68,7 @@ static void write_png(const char *path, const unsigned char colour[3], const Png
     if (how->gamma) png_set_gAMA_fixed(png, info, how->gamma);
     png_write_info(png, info);
     if (how->points) png_write_chunk(png, (png_const_bytep) "cICP", how->points, 4);
+    if (how->exif) png_write_chunk(png, (png_const_bytep) "eXIf", how->exif, how->exif_size);
     unsigned char row[3 * SIDE];
     for (int i = 0; i < 3 * SIDE; i++) row[i] = colour[i % 3];
     for (int y = 0; y < SIDE; y++) png_write_row(png, row);
@@ -196,6 +197,37 @@ static void tags_of_png_are_converted(void **state) {
     expect_colour("pq.png", light, "pq.png: is HDR");
 }
 
+// Behind "Exif": the colours are not sRGB (65535), and the rule of interoperability is R03; cut or with
+// another rule, they stay.
+static void adobe_rgb_is_told_by_exif(void **state) {
+    (void)state;
+    static unsigned char exif[] =
+        "Exif\0\0MM\0*\0\0\0\x08\0\x01\x87\x69\0\x04\0\0\0\x01\0\0\0\x1a\0\0\0\0"
+        "\0\x02\xa0\x01\0\x03\0\0\0\x01\xff\xff\0\0\xa0\x05\0\x04\0\0\0\x01\0\0\0\x38\0\0\0\0"
+        "\0\x01\0\x01\0\x02\0\0\0\x04R03";
+    enum { WHOLE = sizeof exif, RULE = 6 + 0x38 + 10, COLOURS = 6 + 0x1a + 10 };
+    static const unsigned char in_adobe[3] = {219, 0, 0};
+    static const char note[] = "converted from Adobe RGB, as its EXIF data say, to sRGB";
+    unsigned char pixels[SIDE * SIDE * 3];
+    for (int i = 0; i < SIDE * SIDE * 3; i++) pixels[i] = in_adobe[i % 3];
+    JpegKind kind = {.given = JCS_RGB, .stored = JCS_RGB, .exif = exif, .exif_size = WHOLE};
+    write_jpeg_kind(in_scratch("adobe.jpg"), pixels, SIDE, SIDE, &kind);
+    expect_colour("adobe.jpg", red, note);
+    expect_as("adobe.jpg", FFP_COLOUR_ENCODED, 2, red, note);
+    write_png(in_scratch("adobe.png"), in_adobe, &(Png){.exif = exif + 6, .exif_size = WHOLE - 6});
+    expect_colour("adobe.png", red, note);
+    kind.exif_size = RULE + 2;
+    write_jpeg_kind(in_scratch("cut.jpg"), pixels, SIDE, SIDE, &kind);
+    expect_colour("cut.jpg", in_adobe, "");
+    kind.exif_size = WHOLE;
+    memcpy(exif + RULE, "R98", 3);
+    write_jpeg_kind(in_scratch("srgb.jpg"), pixels, SIDE, SIDE, &kind);
+    expect_colour("srgb.jpg", in_adobe, "");
+    memcpy(exif + COLOURS, "\0\2", 2);
+    write_jpeg_kind(in_scratch("two.jpg"), pixels, SIDE, SIDE, &kind);
+    expect_colour("two.jpg", red, note);
+}
+
 static void inks_are_converted(void **state) {
     (void)state;
     static unsigned char icc[1 << 16];
@@ -224,9 +256,9 @@ static void broken_profiles_are_ignored(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(profiles_are_converted), cmocka_unit_test(srgb_stays),
-                                       cmocka_unit_test(tags_of_png_are_converted),
-                                       cmocka_unit_test(inks_are_converted),
-                                       cmocka_unit_test(broken_profiles_are_ignored)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(profiles_are_converted),    cmocka_unit_test(srgb_stays),
+        cmocka_unit_test(tags_of_png_are_converted), cmocka_unit_test(adobe_rgb_is_told_by_exif),
+        cmocka_unit_test(inks_are_converted),        cmocka_unit_test(broken_profiles_are_ignored)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

@@ -31,10 +31,18 @@ static void valley_move(void *state, const double *by) {
     for (int k = 0; k < 2; k++) at[k] += by[k];
 }
 
+// The valley's, the other way round.
+static void wrong_slopes(const void *state, double *out) {
+    const double *at = state;
+    const double right[4] = {-20 * at[0], -1, 10, 0};
+    for (int i = 0; i < 4; i++) out[i] = -right[i];
+}
+
 static void a_curved_valley_is_walked_to_its_end(void **state) {
     (void)state;
     const double step[2] = {1e-6, 1e-6};
     double at[2] = {-1.2, 1};
+    FfpFitEnd end;
     FfpLeastSquares problem = {.state = at,
                                .numbers = 2,
                                .count = 2,
@@ -42,12 +50,18 @@ static void a_curved_valley_is_walked_to_its_end(void **state) {
                                .move = valley_move,
                                .step = step,
                                .steps = 100,
-                               .worth = 1e-12};
+                               .worth = 1e-12,
+                               .end = &end};
     assert_true(ffp_least_squares(&problem, NULL) < 1e-16);
     assert_true(fabs(at[0] - 1) < 1e-8 && fabs(at[1] - 1) < 1e-8);
+    assert_int_equal(end, FFP_END_SETTLED);
     at[0] = -1.2, at[1] = 1, problem.steps = 1;
     const double cost = ffp_least_squares(&problem, NULL); // 24.2 at first
     assert_true(cost < 24.2 && cost > 1);
+    assert_int_equal(end, FFP_END_UNFINISHED);
+    at[0] = -1.2, at[1] = 1, problem.steps = 100, problem.slopes = wrong_slopes;
+    ffp_least_squares(&problem, NULL);
+    assert_int_equal(end, FFP_END_STUCK);
 }
 
 enum { POINTS = 200 };
@@ -104,6 +118,10 @@ static void a_line_has_the_covariance_of_the_books(void **state) {
     const double expected[4] = {variance * xx / determinant, -variance * x / determinant,
                                 -variance * x / determinant, variance * POINTS / determinant};
     for (int i = 0; i < 4; i++) assert_true(fabs(covariance[i] - expected[i]) < 1e-6 * fabs(expected[0]));
+    const double before = covariance[0];
+    problem.solved = POINTS / 2;
+    ffp_least_squares(&problem, covariance);
+    assert_true(fabs(covariance[0] / before - (POINTS - 2.0) / (POINTS / 2.0 - 2)) < 1e-6);
     problem.numbers = 3; // the third moves nothing
     ffp_least_squares(&problem, covariance);
     for (int i = 0; i < 9; i++) assert_true(isinf(covariance[i]));

@@ -82,6 +82,14 @@ static void world_new(World *w, bool with_ball) {
     }
 }
 
+// The board scatters light, and the projector's lens spreads a share of its own.
+static void world_scatters(World *w) {
+    scatter_light(&w->gaussians, 3);
+    for (int64_t i = 0; i < 3 * w->gaussians.count; i++) w->gaussians.scattered[i] *= 0.3F;
+    for (int c = 0; c < 3; c++) w->capture.panel.spread[c] = 0.06F + 0.02F * (real)c;
+    w->capture.panel.spread_reach = 7;
+}
+
 static void world_free(World *w) {
     ffp_gaussians_free(&w->gaussians);
     ffp_image_free(&w->patterns[0].image);
@@ -115,14 +123,17 @@ static FfpImage waves(int side) {
 }
 
 // Largest difference, and the PSNR, of FfpProCams' picture and the renderer's.
-static double picture_difference(const FfpRenderSettings *settings, double *psnr) {
+static double picture_difference(const FfpRenderSettings *settings, bool scatters, double *psnr) {
     World w;
     world_new(&w, true);
+    if (scatters) world_scatters(&w);
     FfpProCams procams = drawn_procams_of(&w, 1, settings);
     randomise(&procams.projections[0].pattern, 5, 0, 1);
     FfpImage ours = ffp_procams_picture(&procams, 0);
     ffp_image_to_srgb(&ours);
-    FfpSummed summed = ffp_summed_new(&procams.projections[0].pattern);
+    FfpImage light = ffp_procams_light(&procams, 0);
+    FfpSummed summed = ffp_summed_new(&light);
+    ffp_image_free(&light);
     FfpImage theirs = ffp_render_view(&w.gaussians, &w.views[0].camera, &w.views[0].projector,
                                       w.capture.intensity, &summed, settings);
     double most = 0, brightest = 0;
@@ -147,19 +158,22 @@ static void the_picture_is_the_renderers(void **state) {
     double psnr;
     const FfpRenderSettings one = ffp_render_settings(false, 1), two = ffp_render_settings(false, 2);
     const FfpRenderSettings even = ffp_render_gs_procams();
-    assert_true(picture_difference(&one, &psnr) < 2e-4);
-    assert_true(picture_difference(&even, &psnr) < 2e-4);
-    picture_difference(&two, &psnr);
+    assert_true(picture_difference(&one, false, &psnr) < 2e-4);
+    assert_true(picture_difference(&one, true, &psnr) < 2e-4);
+    assert_true(picture_difference(&even, false, &psnr) < 2e-4);
+    picture_difference(&two, false, &psnr);
     print_message("two samples a side: %.2f dB\n", psnr);
     assert_true(psnr > 30);
 }
 
-static void the_gradient_is_that_of_the_loss(void **state) {
-    (void)state;
+// The spread's adjoint is taken as itself: at the pattern's edges that is not exact.
+static void check_gradient(bool scatters, double tolerance) {
     World w;
     world_new(&w, false);
+    if (scatters) world_scatters(&w);
     FfpProCams procams = procams_of(&w, 2);
     assert_int_equal(procams.n_projections, 2);
+    if (scatters) procams.blur = 1;
     FfpImage target = waves(SIDE), gradients[2], way[2];
     for (int k = 0; k < 2; k++) {
         ffp_procams_aim(&procams, k, &target, NULL);
@@ -180,11 +194,18 @@ static void the_gradient_is_that_of_the_loss(void **state) {
             along += (double)gradients[k].data[i] * (double)way[k].data[i];
     const double measured = (loss[0] - loss[1]) / 0.04;
     assert_true(fabs(along) > 1e-5);
-    assert_true(fabs(measured - along) < 0.01 * fabs(along));
+    if (!(fabs(measured - along) < tolerance * fabs(along)))
+        fail_msg("%g along, %g measured", along, measured);
     for (int k = 0; k < 2; k++) ffp_image_free(&gradients[k]), ffp_image_free(&way[k]);
     ffp_image_free(&target);
     ffp_procams_free(&procams);
     world_free(&w);
+}
+
+static void the_gradient_is_that_of_the_loss(void **state) {
+    (void)state;
+    check_gradient(false, 0.01);
+    check_gradient(true, 0.02);
 }
 
 static double unwarped_psnr(FfpProCams *procams, const FfpImage *target) {
@@ -220,6 +241,80 @@ static void compensation_comes_near_and_descent_nearer(void **state) {
     ffp_image_free(&target);
     ffp_procams_free(&procams);
     world_free(&w);
+}
+
+// Solved as if nothing were scattered or spread, and as it is.
+static void scattered_and_spread_light_is_taken_off(void **state) {
+    (void)state;
+    double psnr[2];
+    for (int knows = 0; knows < 2; knows++) {
+        World w;
+        world_new(&w, true);
+        world_scatters(&w);
+        FfpProCams procams = procams_of(&w, 1);
+        FfpImage target = waves(SIDE), hidden = procams.camera_views[0].scattered;
+        ffp_procams_aim(&procams, 0, &target, NULL);
+        ffp_procams_paint(&procams);
+        if (!knows) procams.camera_views[0].scattered = (FfpImage){0}, procams.spread_reach = 0;
+        ffp_procams_closed_form(&procams, 1);
+        procams.camera_views[0].scattered = hidden, procams.spread_reach = w.capture.panel.spread_reach;
+        psnr[knows] = ffp_procams_psnr(&procams);
+        ffp_image_free(&target);
+        ffp_procams_free(&procams);
+        world_free(&w);
+    }
+    print_message("without what scatters %.2f, with it %.2f dB\n", psnr[0], psnr[1]);
+    assert_true(psnr[1] > psnr[0] + 3);
+}
+
+// Stripes of the camera's picture that hardly any direct light reaches, as in shadows, ask for as much of it
+// as the places beside them do, not for what would make up for scattered light.
+static void shadows_do_not_make_up_for_scattered_light(void **state) {
+    (void)state;
+    World w;
+    world_new(&w, true);
+    world_scatters(&w);
+    w.capture.panel.spread_reach = 0;
+    FfpProCams procams = procams_of(&w, 1);
+    FfpImage *response = &ffp_procams_link(&procams, 0, 0)->response, target = grey(SIDE, SIDE, 0.25F);
+    for (int i = 0; i < 3 * SIDE * SIDE; i++)
+        if (i / 3 % SIDE % 12 < 4) response->data[i] *= 0.01F;
+    ffp_procams_aim(&procams, 0, &target, NULL);
+    ffp_procams_paint(&procams);
+    ffp_procams_closed_form(&procams, 0);
+    const FfpImage *pattern = &procams.projections[0].pattern;
+    double most = 0;
+    for (int i = 0; i < 3 * PATTERN * PATTERN; i++)
+        most = pattern->data[i] > most ? (double)pattern->data[i] : most;
+    print_message("with shadows, a quarter of white takes up to %.3f of it\n", most);
+    assert_true(most < 0.4);
+    ffp_image_free(&target);
+    ffp_procams_free(&procams);
+    world_free(&w);
+}
+
+// Seen through the projector's blur, solved without it and for it.
+static void patterns_are_sharpened_for_the_blur(void **state) {
+    (void)state;
+    double psnr[2];
+    for (int knows = 0; knows < 2; knows++) {
+        World w;
+        world_new(&w, true);
+        FfpProCams procams = procams_of(&w, 1);
+        FfpImage target = waves(SIDE);
+        ffp_procams_aim(&procams, 0, &target, NULL);
+        ffp_procams_paint(&procams);
+        if (knows) procams.blur = 2;
+        ffp_procams_closed_form(&procams, 1);
+        ffp_procams_descend(&procams, 10);
+        procams.blur = 2;
+        psnr[knows] = ffp_procams_psnr(&procams);
+        ffp_image_free(&target);
+        ffp_procams_free(&procams);
+        world_free(&w);
+    }
+    print_message("through a blur of 2 pixels %.2f, sharpened for it %.2f dB\n", psnr[0], psnr[1]);
+    assert_true(psnr[1] > psnr[0] + 3);
 }
 
 static void two_runs_give_the_same_bits(void **state) {
@@ -435,7 +530,7 @@ static void the_inverse_is_where_geometry_says(void **state) {
         count++;
     }
     assert_true(count > PATTERN * PATTERN / 4);
-    assert_true(most < 0.3);
+    assert_true(most < 0.4);
     ffp_image_free(&inverse);
     ffp_procams_free(&procams);
     world_free(&w);
@@ -536,6 +631,9 @@ int main(void) {
         cmocka_unit_test(the_picture_is_the_renderers),
         cmocka_unit_test(the_gradient_is_that_of_the_loss),
         cmocka_unit_test(compensation_comes_near_and_descent_nearer),
+        cmocka_unit_test(scattered_and_spread_light_is_taken_off),
+        cmocka_unit_test(shadows_do_not_make_up_for_scattered_light),
+        cmocka_unit_test(patterns_are_sharpened_for_the_blur),
         cmocka_unit_test(two_runs_give_the_same_bits),
         cmocka_unit_test(what_cannot_be_reached_is_counted),
         cmocka_unit_test(the_gain_that_light_allows_is_found),

@@ -50,26 +50,23 @@ static void check_array(const char *what, const real *here, const real *there, s
 // As a whole: Adam's steps are as long where a gradient is all rounding, so that single splats may go
 // elsewhere.
 static void check_fitted(const FfpGaussians *here, const FfpGaussians *there) {
-    static const char *const names[] = {"centre", "scale",     "rotation", "opacity",
-                                        "albedo", "roughness", "ambient"};
     const FfpDevice *before = ffp_device_use(device);
     assert_true(here->count == there->count);
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute x = ffp_attribute(here, a);
-        assert_close(ffp_attribute(there, a).data, x.data, here->count * x.width, 0.01, names[a]);
+        assert_close(ffp_attribute(there, a).data, x.data, here->count * x.width, 0.01,
+                     ffp_attributes[a].name);
     }
     ffp_device_use(before);
 }
 
 static void check_gaussians(const char *what, const FfpGaussians *here, const FfpGaussians *there,
                             double tolerance) {
-    static const char *const names[] = {"centre", "scale",     "rotation", "opacity",
-                                        "albedo", "roughness", "ambient"};
     char text[64];
     assert_true(here->count == there->count);
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute x = ffp_attribute(here, a);
-        snprintf(text, sizeof text, "%s %s", what, names[a]);
+        snprintf(text, sizeof text, "%s %s", what, ffp_attributes[a].name);
         check_array(text, x.data, ffp_attribute(there, a).data, (size_t)here->count * (size_t)x.width,
                     tolerance);
     }
@@ -90,6 +87,8 @@ static FfpGaussians odd_ball(void) {
     FfpGaussians g = ball_disturbed(splats());
     g.opacity[0] = 0, g.opacity[1] = 1, g.roughness[2] = 0, g.scale[9] = 0;
     for (int k = 0; k < 4; k++) g.rotation[16 + k] = 0, g.rotation[20 + k] *= 3;
+    for (int64_t i = 0; i < 3 * g.count; i++) g.scattered[i] = 0.01F * (real)(i % 7);
+    g.scatters = true;
     return g;
 }
 

@@ -16,7 +16,7 @@
 #define MAPPED 1e-3     // a sample's mapping differs from here on
 #define MAPPED_FEW 2e-3 // share of samples that may
 
-enum { PATTERNS = 3, PATTERN_WIDTH = 97, PATTERN_HEIGHT = 71, FIELDS = 7 };
+enum { PATTERNS = 3, PATTERN_WIDTH = 97, PATTERN_HEIGHT = 71 };
 
 typedef struct Case {
     const char *name;
@@ -61,6 +61,10 @@ static World new_world(const Case *c) {
                .projector = look_at(PATTERN_WIDTH, PATTERN_HEIGHT, 150, projector_eye, origin),
                .grad_gbuffer = ffp_gbuffer_new(c->width, c->height)};
     w.camera.cx += 1.3F, w.camera.fy *= 1.02F;
+    if (c->settings.samples > 1) { // with one, none is scattered
+        scatter_light(&w.gaussians, 8);
+        ffp_gbuffer_add_scattered(&w.grad_gbuffer);
+    }
     randomise_gbuffer(&w.grad_gbuffer, 11);
     for (int p = 0; p < PATTERNS; p++) {
         FfpImage pattern = random_image(PATTERN_WIDTH, PATTERN_HEIGHT, p == 1 ? 1 : 0, 20 + (uint64_t)p);
@@ -104,7 +108,8 @@ static void move_gbuffer(const FfpGbuffer *there, const FfpGbuffer *host, bool u
 
 static FfpGbuffer downloaded_gbuffer(const FfpGbuffer *there) {
     const FfpDevice *before = ffp_device_use(NULL);
-    const FfpGbuffer host = ffp_gbuffer_new(there->width, there->height);
+    FfpGbuffer host = ffp_gbuffer_new(there->width, there->height);
+    if (there->scattered) ffp_gbuffer_add_scattered(&host);
     ffp_device_use(before);
     move_gbuffer(there, &host, false);
     return host;

@@ -181,6 +181,7 @@ static void test_forward_alone(void **state) {
         assert_true(ffp_model_forward(model, run[i], &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute x = ffp_attribute(&run[0]->gaussians, a), y = ffp_attribute(&run[1]->gaussians, a);
+        if (!x.data && !y.data) continue; // scattered light: the network predicts none
         assert_memory_equal(x.data, y.data, (size_t)run[0]->gaussians.count * (size_t)x.width * sizeof(real));
     }
     assert_true(ffp_run_memory(run[1]) < ffp_run_memory(run[0]));

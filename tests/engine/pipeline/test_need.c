@@ -126,10 +126,10 @@ static void map(const FfpCapture *capture, const FfpGaussians *gaussians, int ti
     const FfpView view = finer(capture, times);
     malloc_trim(0);
     const double before = ffp_memory_mark();
-    FfpImages *images = ffp_maps_of_view(gaussians, capture, &view, (FfpDrawing){.samples = 2}, NULL, &err);
+    FfpImages *images = ffp_warps_of_view(gaussians, capture, &view, (FfpDrawing){.samples = 2}, NULL, &err);
     if (!images) fail_msg("%s", err.text);
     ffp_images_free(images);
-    hold("maps", &view, before, ffp_maps_bytes((double)gaussians->count, &view, 2));
+    hold("maps", &view, before, ffp_warps_bytes((double)gaussians->count, &view, 2));
 }
 
 static void compensate(FfpCapture *capture, const FfpGaussians *gaussians, int times) {

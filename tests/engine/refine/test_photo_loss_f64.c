@@ -76,10 +76,10 @@ static void gradient_of_all_pictures(void **state) {
     for (c.view = 0; c.view < 2; c.view++) {
         FfpGaussians grad = ffp_gaussians_new(SPLATS);
         FfpFitLoss loss = {0};
-        Field fields[7], analytic[7];
+        Field fields[FIELDS], analytic[FIELDS];
         ffp_photo_loss_backward(c.viewer, &c.gaussians, &(FfpFitView){c.view, 1, &grad, &loss}, 1);
         gaussian_fields(&c.gaussians, fields), gaussian_fields(&grad, analytic);
-        for (int k = 0; k < 7; k++)
+        for (int k = 0; k < FIELDS; k++)
             check_field(c.view ? "three pictures" : "four pictures", &fields[k], analytic[k].data, loss_of,
                         &c);
         ffp_gaussians_free(&grad);

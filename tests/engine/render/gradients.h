@@ -38,11 +38,11 @@ static inline void check_field(const char *what, const Field *field, const real 
 }
 
 static inline double weighted(const FfpGbuffer *g, const FfpGbuffer *weights) {
-    Field a[7], b[7];
+    Field a[FIELDS], b[FIELDS];
     gbuffer_fields(g, a);
     gbuffer_fields(weights, b);
     double sum = 0;
-    for (int k = 0; k < 7; k++)
+    for (int k = 0; k < FIELDS; k++)
         for (int64_t i = 0; i < a[k].count; i++) sum += a[k].data[i] * b[k].data[i];
     return sum;
 }

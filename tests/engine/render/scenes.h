@@ -48,6 +48,13 @@ static inline FfpGaussians random_gaussians(int64_t count, uint64_t seed, double
     return g;
 }
 
+// Light that is scattered, for sets that had none.
+static inline void scatter_light(FfpGaussians *g, uint64_t seed) {
+    FfpRng rng = ffp_rng(seed, 3);
+    for (int64_t i = 0; i < 3 * g->count; i++) g->scattered[i] = between(&rng, 0.01, 0.3);
+    g->scatters = true;
+}
+
 // The attribute arrays of a set or a G-buffer in a fixed order, so that tests can walk all of them alike.
 typedef struct Field {
     const char *name;
@@ -55,28 +62,31 @@ typedef struct Field {
     int64_t count;
 } Field;
 
-static inline void gaussian_fields(const FfpGaussians *g, Field out[7]) {
+enum { FIELDS = 8 };
+
+static inline void gaussian_fields(const FfpGaussians *g, Field out[FIELDS]) {
     const int64_t n = g->count;
     out[0] = (Field){"centre", g->centre, 3 * n}, out[1] = (Field){"scale", g->scale, 3 * n};
     out[2] = (Field){"rotation", g->rotation, 4 * n}, out[3] = (Field){"opacity", g->opacity, n};
     out[4] = (Field){"albedo", g->albedo, 3 * n}, out[5] = (Field){"roughness", g->roughness, n};
-    out[6] = (Field){"ambient", g->ambient, 3 * n};
+    out[6] = (Field){"ambient", g->ambient, 3 * n}, out[7] = (Field){"scattered", g->scattered, 3 * n};
 }
 
-static inline void gbuffer_fields(const FfpGbuffer *g, Field out[7]) {
+static inline void gbuffer_fields(const FfpGbuffer *g, Field out[FIELDS]) {
     const int64_t n = (int64_t)g->width * g->height;
     out[0] = (Field){"opacity", g->opacity, n}, out[1] = (Field){"depth", g->depth, n};
     out[2] = (Field){"normal", g->normal, 3 * n}, out[3] = (Field){"albedo", g->albedo, 3 * n};
     out[4] = (Field){"roughness", g->roughness, n}, out[5] = (Field){"ambient", g->ambient, 3 * n};
     out[6] = (Field){"distortion", g->distortion, n};
+    out[7] = (Field){"scattered", g->scattered, g->scattered ? 3 * n : 0};
 }
 
 // Random numbers in [-1, 1] everywhere: the weights of a loss that looks at all of a G-buffer.
 static inline void randomise_gbuffer(FfpGbuffer *g, uint64_t seed) {
     FfpRng rng = ffp_rng(seed, 2);
-    Field f[7];
+    Field f[FIELDS];
     gbuffer_fields(g, f);
-    for (int k = 0; k < 7; k++)
+    for (int k = 0; k < FIELDS; k++)
         for (int64_t i = 0; i < f[k].count; i++) f[k].data[i] = between(&rng, -1, 1);
 }
 

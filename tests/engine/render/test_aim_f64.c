@@ -108,10 +108,10 @@ static void take_aim(const FfpAimGradient *aim, Gradient *g) {
 }
 
 static void weigh_gbuffer(AimCase *c) {
-    Field to[7], from[7];
+    Field to[FIELDS], from[FIELDS];
     gbuffer_fields(ffp_view_pass_grad_gbuffer(c->pass), to);
     gbuffer_fields(&c->gbuffer_weights, from);
-    for (int k = 0; k < 7; k++)
+    for (int k = 0; k < FIELDS; k++)
         for (int64_t i = 0; i < to[k].count; i++) to[k].data[i] += from[k].data[i];
 }
 
@@ -165,10 +165,10 @@ static void check(int samples, bool shadows, bool linear) {
     AimCase c = aim_case(samples, shadows, linear);
     Gradient g = gradient_of(&c);
     check_devices(what, &c, &g);
-    Field fields[7], analytic[7];
+    Field fields[FIELDS], analytic[FIELDS];
     gaussian_fields(&c.gaussians, fields);
     gaussian_fields(&g.gaussians, analytic);
-    for (int k = 0; k < 7; k++) check_field(what, &fields[k], analytic[k].data, aim_loss, &c);
+    for (int k = 0; k < FIELDS; k++) check_field(what, &fields[k], analytic[k].data, aim_loss, &c);
     const Field intensity = {"intensity", c.intensity, 3},
                 pattern = {"pattern", c.pattern.data, 3 * PATTERN_WIDTH * PATTERN_HEIGHT};
     check_field(what, &intensity, g.intensity, aim_loss, &c);

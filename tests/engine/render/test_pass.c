@@ -180,11 +180,11 @@ static void test_same_bits_for_any_number_of_threads(void **state) {
     gradient_with(3, &g, &grads[1], &pictures[1]);
     omp_set_num_threads(most);
     assert_memory_equal(pictures[0].data, pictures[1].data, sizeof(real) * 3 * WIDTH * HEIGHT);
-    Field a[7], b[7];
+    Field a[FIELDS], b[FIELDS];
     gaussian_fields(&grads[0], a);
     gaussian_fields(&grads[1], b);
     double size = 0;
-    for (int k = 0; k < 7; k++) {
+    for (int k = 0; k < FIELDS; k++) {
         assert_memory_equal(a[k].data, b[k].data, sizeof(real) * (size_t)a[k].count);
         for (int64_t i = 0; i < a[k].count; i++) size += fabs((double)a[k].data[i]);
     }

@@ -1,5 +1,6 @@
 // Gradients of the whole view pass, from Gaussians, pattern and intensity to pictures and G-buffers, against
 // central differences.
+#include "core/base/device.h"
 #include "engine/render/gradients.h"
 #include "engine/render/pass.h"
 #include "engine/render/scenes.h"
@@ -71,10 +72,10 @@ typedef struct PassGradient {
 } PassGradient;
 
 static void add_gbuffer_gradient(PassCase *c) {
-    Field to[7], from[7];
+    Field to[FIELDS], from[FIELDS];
     gbuffer_fields(ffp_view_pass_grad_gbuffer(c->pass), to);
     gbuffer_fields(&c->gbuffer_weights, from);
-    for (int k = 0; k < 7; k++)
+    for (int k = 0; k < FIELDS; k++)
         for (int64_t i = 0; i < to[k].count; i++) to[k].data[i] += from[k].data[i];
 }
 
@@ -102,17 +103,25 @@ static PassGradient pass_gradient(PassCase *c) {
     return g;
 }
 
-static void check_pass(int samples) {
-    char what[16];
-    snprintf(what, sizeof what, "%d a side", samples);
+// The part of the pattern that scattered light follows is a constant of the backward pass too, but moves with
+// the outermost centres: these are not looked at where light is scattered.
+static void check_pass(int samples, bool scatters) {
+    char what[32];
+    snprintf(what, sizeof what, "%d a side%s", samples, scatters ? ", scattered" : "");
     PassCase c = pass_case(samples);
+    if (scatters) {
+        scatter_light(&c.gaussians, 6);
+        ffp_gbuffer_add_scattered(&c.gbuffer_weights);
+        randomise_gbuffer(&c.gbuffer_weights, 5);
+    }
     const double loss = pass_loss(&c);
     assert_true(isfinite(loss));
     PassGradient g = pass_gradient(&c);
-    Field fields[7], analytic[7];
+    Field fields[FIELDS], analytic[FIELDS];
     gaussian_fields(&c.gaussians, fields);
     gaussian_fields(&g.gaussians, analytic);
-    for (int k = 0; k < 7; k++) check_field(what, &fields[k], analytic[k].data, pass_loss, &c);
+    for (int k = scatters ? 1 : 0; k < (scatters ? FIELDS : FIELDS - 1); k++)
+        check_field(what, &fields[k], analytic[k].data, pass_loss, &c);
     const Field intensity = {"intensity", c.intensity, 3};
     check_field(what, &intensity, g.intensity, pass_loss, &c);
     const Field pattern = {"pattern", c.pattern.data, 3 * PATTERN_WIDTH * PATTERN_HEIGHT};
@@ -125,22 +134,56 @@ static void check_pass(int samples) {
 
 static void test_one_sample(void **state) {
     (void)state;
-    check_pass(1);
+    check_pass(1, false);
 }
 
 static void test_two_samples(void **state) {
     (void)state;
-    check_pass(2);
+    check_pass(2, false);
 }
 
 static void test_three_samples(void **state) {
     (void)state;
-    check_pass(3);
+    check_pass(3, false);
 }
 
 static void test_four_samples(void **state) {
     (void)state;
-    check_pass(4);
+    check_pass(4, false);
+}
+
+static void test_scattered(void **state) {
+    (void)state;
+    check_pass(1, true);
+    check_pass(2, true);
+}
+
+// Scattered light follows the mean of the pattern, and nothing else: in a pattern's dark part it is what
+// white shows there by it, times the mean.
+static void test_scattered_follows_the_mean(void **state) {
+    (void)state;
+    PassCase c = pass_case(2);
+    FfpImage dark = ffp_image_new(WIDTH, HEIGHT, 3), half = ffp_image_new(WIDTH, HEIGHT, 3);
+    ffp_memory_zero(c.gaussians.albedo, (size_t)c.gaussians.count * 3 * sizeof(real));
+    for (int i = 0; i < c.gaussians.count; i++) c.gaussians.roughness[i] = 1;
+    scatter_light(&c.gaussians, 6);
+    for (int i = 0; i < PATTERN_WIDTH * PATTERN_HEIGHT; i++)
+        for (int k = 0; k < 3; k++) c.pattern.data[3 * i + k] = 0.4;
+    c.intensity[0] = c.intensity[1] = c.intensity[2] = 0; // no direct light
+    FfpSummed summed = ffp_summed_new(&c.pattern);
+    ffp_view_pass_draw(c.pass, &c.gaussians, &c.camera, &c.projector);
+    ffp_view_pass_radiance(c.pass, c.intensity, NULL, &dark);
+    ffp_view_pass_radiance(c.pass, c.intensity, &summed, &half);
+    const FfpGbuffer *g = ffp_view_pass_gbuffer(c.pass);
+    double most = 0;
+    for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) {
+        assert_true(fabs(half.data[i] - dark.data[i] - 0.4 * g->scattered[i]) < 1e-9);
+        most = fmax(most, g->scattered[i]);
+    }
+    assert_true(most > 0.05);
+    ffp_summed_free(&summed);
+    ffp_image_free(&dark), ffp_image_free(&half);
+    pass_case_free(&c);
 }
 
 typedef struct HoldCase {
@@ -169,10 +212,10 @@ static void test_places_are_held(void **state) {
     FfpGaussians grad = ffp_gaussians_new(h.c.gaussians.count);
     assert_true(hold_loss(&h) > 0.1);
     ffp_view_pass_backward(h.c.pass, &grad);
-    Field fields[7], analytic[7];
+    Field fields[FIELDS], analytic[FIELDS];
     gaussian_fields(&h.c.gaussians, fields);
     gaussian_fields(&grad, analytic);
-    for (int k = 0; k < 7; k++) check_field("held", &fields[k], analytic[k].data, hold_loss, &h);
+    for (int k = 0; k < FIELDS - 1; k++) check_field("held", &fields[k], analytic[k].data, hold_loss, &h);
     double most = 0;
     for (int64_t i = 0; i < 3 * grad.count; i++) most = fmax(most, fabs((double)grad.centre[i]));
     assert_true(most > 1e-2);
@@ -186,9 +229,13 @@ static void test_places_are_held(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_sample),    cmocka_unit_test(test_two_samples),
-        cmocka_unit_test(test_three_samples), cmocka_unit_test(test_places_are_held),
+        cmocka_unit_test(test_one_sample),
+        cmocka_unit_test(test_two_samples),
+        cmocka_unit_test(test_three_samples),
+        cmocka_unit_test(test_places_are_held),
         cmocka_unit_test(test_four_samples),
+        cmocka_unit_test(test_scattered),
+        cmocka_unit_test(test_scattered_follows_the_mean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -227,14 +227,14 @@ static real *everything(const FfpGaussians *g, const FfpCamera *camera, int64_t 
     randomise_gbuffer(&weights, 3);
     ffp_rasterise(raster, g, camera, &settings, &out);
     ffp_rasterise_backward(raster, g, camera, &settings, &out, &weights, &grad);
-    Field f[14];
+    Field f[2 * FIELDS];
     gbuffer_fields(&out, f);
-    gaussian_fields(&grad, f + 7);
+    gaussian_fields(&grad, f + FIELDS);
     *count = 0;
-    for (int k = 0; k < 14; k++) *count += f[k].count;
+    for (int k = 0; k < 2 * FIELDS; k++) *count += f[k].count;
     real *all = ffp_alloc((size_t)*count, sizeof(real)), *end = all;
-    for (int k = 0; k < 14; k++) {
-        memcpy(end, f[k].data, (size_t)f[k].count * sizeof(real));
+    for (int k = 0; k < 2 * FIELDS; k++) {
+        if (f[k].count > 0) memcpy(end, f[k].data, (size_t)f[k].count * sizeof(real));
         end += f[k].count;
     }
     ffp_gbuffer_free(&out);
@@ -576,7 +576,7 @@ static bool row_case(RowCase *c, int width, int height) {
                          .albedo = planes[3],
                          .roughness = planes[4],
                          .ambient = planes[5]},
-                   .mapping = {width, height, planes[6], planes[7], 0, planes[8]},
+                   .mapping = {width, height, planes[6], planes[7], 0, {0}, planes[8]},
                    .light = {.width = width, .height = height, .factor = planes[9], .uv = planes[10]},
                    .d_light = {.width = width, .height = height, .factor = planes[11], .uv = planes[12]},
                    .out = {width, height, 3, planes[13]},
@@ -616,12 +616,12 @@ static void through_last_row(RowCase *c, const FfpCamera *projector, const FfpSu
     }
     const FfpMapper mapper = {&c->g, &c->camera, projector, &settings, {0}};
     const FfpLitScene scene = {&c->g, &c->mapping, {&c->camera, projector, 0}};
-    const FfpPatternLight light = {&c->light, c->mapping.extent, intensity, pattern, 1};
-    const FfpShadeGrad grad = {&c->out, c->d_g.ambient, &c->d_light, NULL};
+    const FfpPatternLight light = {&c->light, c->mapping.extent, intensity, pattern, 1, {0}};
+    const FfpShadeGrad grad = {&c->out, c->d_g.ambient, NULL, &c->d_light, NULL};
     real grad_intensity[3] = {0, 0, 0};
     kernels->map_row(&mapper, y, &c->mapping);
     kernels->light_row(&scene, y, &c->light);
-    kernels->shade_row(&light, y, c->g.ambient, &c->out);
+    kernels->shade_row(&light, y, &c->g, &c->out);
     kernels->shade_row_backward(&light, y, &grad, grad_intensity);
     kernels->light_row_backward(&scene, y, &c->d_light, &c->d_g);
 }

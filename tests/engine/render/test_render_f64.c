@@ -32,10 +32,10 @@ static void check_rasterise(const char *what, FfpGaussians gaussians, FfpCamera 
     for (int p = 0; p < camera.width * camera.height; p++) seen += c.out.opacity[p];
     assert_true(seen > 10);
     ffp_rasterise_backward(c.raster, &c.gaussians, &c.camera, &c.settings, &c.out, &c.weights, &grad);
-    Field fields[7], analytic[7];
+    Field fields[FIELDS], analytic[FIELDS];
     gaussian_fields(&c.gaussians, fields);
     gaussian_fields(&grad, analytic);
-    for (int k = 0; k < 7; k++) check_field(what, &fields[k], analytic[k].data, raster_loss, &c);
+    for (int k = 0; k < FIELDS; k++) check_field(what, &fields[k], analytic[k].data, raster_loss, &c);
     ffp_gaussians_free(&grad);
     ffp_gaussians_free(&gaussians);
     ffp_gbuffer_free(&c.out);
@@ -169,7 +169,7 @@ static void check_shade(const char *what, ShadeCase *c) {
     real grad_intensity[3] = {0};
     shade_backward(c, &summed, &grad, grad_intensity, &grad_sum);
     ffp_lookup_gather_pattern(&grad_sum, &grad_pattern);
-    Field fields[7], analytic[7];
+    Field fields[FIELDS], analytic[FIELDS];
     gbuffer_fields(&c->gbuffer, fields);
     gbuffer_fields(&grad, analytic);
     for (int k = 0; k < 6; k++) check_field(what, &fields[k], analytic[k].data, shade_loss, c);
@@ -268,10 +268,10 @@ static void test_composition_gradients(void **state) {
     shade_backward(&c.shade, &summed, &grad_gbuffer, NULL, NULL);
     ffp_rasterise_backward(c.raster.raster, &c.raster.gaussians, &c.shade.camera, &c.raster.settings,
                            &c.shade.gbuffer, &grad_gbuffer, &grad);
-    Field fields[7], analytic[7];
+    Field fields[FIELDS], analytic[FIELDS];
     gaussian_fields(&c.raster.gaussians, fields);
     gaussian_fields(&grad, analytic);
-    for (int k = 0; k < 7; k++) check_field("composition", &fields[k], analytic[k].data, whole_loss, &c);
+    for (int k = 0; k < FIELDS; k++) check_field("composition", &fields[k], analytic[k].data, whole_loss, &c);
     ffp_summed_free(&summed);
     ffp_gbuffer_free(&grad_gbuffer);
     ffp_gaussians_free(&grad);

@@ -57,6 +57,9 @@ static void fits_are_told_what_to_fit(void **state) {
     refused(!ffp_fit_neural_field(NULL, capture, &further, NULL, NULL, &err), "patterns[0]");
     refused(!ffp_align_poses(NULL, NULL, &aligning, NULL, &err), "capture");
     refused(!ffp_align_poses(NULL, capture, NULL, NULL, &err), "options");
+    refused(!ffp_find_projector(NULL, NULL, gaussians, NULL, &err), "capture");
+    refused(!ffp_find_projector(NULL, capture, NULL, NULL, &err), "gaussians");
+    refused(!ffp_find_projector(NULL, capture, gaussians, NULL, &err), "capture"); // without Gray codes
     // A capture whose photographs were left in their files.
     FfpOpening opening = ffp_opening_defaults();
     opening.photographs = FFP_READ_NONE;
@@ -127,7 +130,7 @@ static void pictures_are_told_where_to_go(void **state) {
     FfpPictures pictures = ffp_pictures_defaults();
     FfpPage page = ffp_page_defaults();
     FfpCompensation compensation = ffp_compensation_defaults();
-    FfpMaps maps = ffp_maps_defaults();
+    FfpWarps maps = ffp_warps_defaults();
     FfpExport export = ffp_export_defaults();
     FfpPinhole device;
     assert_true(ffp_capture_view_devices(capture, 0, &device, NULL));
@@ -149,8 +152,8 @@ static void pictures_are_told_where_to_go(void **state) {
     refused(!ffp_compensate_images(NULL, gaussians, capture, &compensation, NULL, &err), "targets");
     compensation.pictures = NULL, compensation.n_targets = 0;
     refused(!ffp_compensate(NULL, gaussians, capture, &compensation, NULL, &err), "pattern");
-    refused(ffp_write_maps(NULL, gaussians, capture, &maps, NULL, 0, &err) < 0, "folder");
-    refused(!ffp_map_images(NULL, gaussians, capture, NULL, &device, (FfpDrawing){0}, NULL, &err), "camera");
+    refused(ffp_write_warps(NULL, gaussians, capture, &maps, NULL, 0, &err) < 0, "folder");
+    refused(!ffp_warp_images(NULL, gaussians, capture, NULL, &device, (FfpDrawing){0}, NULL, &err), "camera");
     refused(!ffp_export(NULL, gaussians, capture, &export, NULL, &err), "file");
     export.file = "a.ply", export.up = (FfpUp)7;
     refused(!ffp_export(NULL, gaussians, capture, &export, NULL, &err), "up");
@@ -196,7 +199,7 @@ static void drawings_are_checked(void **state) {
     FfpPictures pictures = ffp_pictures_defaults();
     FfpPage page = ffp_page_defaults();
     FfpCompensation compensation = ffp_compensation_defaults();
-    FfpMaps maps = ffp_maps_defaults();
+    FfpWarps maps = ffp_warps_defaults();
     FfpExport export = ffp_export_defaults();
     FfpEvaluation evaluation = ffp_evaluation_defaults();
     FfpPinhole camera, projector;
@@ -213,16 +216,16 @@ static void drawings_are_checked(void **state) {
         refused(!ffp_write_page(NULL, gaussians, capture, &page, NULL, &err), field);
         refused(!ffp_compensate(NULL, gaussians, capture, &compensation, NULL, &err), field);
         refused(!ffp_compensate_images(NULL, gaussians, capture, &compensation, NULL, &err), field);
-        refused(ffp_write_maps(NULL, gaussians, capture, &maps, NULL, 0, &err) < 0, field);
-        refused(!ffp_map_images(NULL, gaussians, capture, &camera, &projector, bad[i], NULL, &err), field);
+        refused(ffp_write_warps(NULL, gaussians, capture, &maps, NULL, 0, &err) < 0, field);
+        refused(!ffp_warp_images(NULL, gaussians, capture, &camera, &projector, bad[i], NULL, &err), field);
         refused(!ffp_refine_gaussians(NULL, gaussians, capture, &how, NULL, &err), field);
         refused(!ffp_fit_from_scratch(NULL, capture, NULL, &how, NULL, &err), field);
         refused(!ffp_evaluate(NULL, &evaluation, &n, &err), field);
     }
     refused(!ffp_export(NULL, gaussians, capture, &export, NULL, &err), "drawing.form");
-    FfpMapStats two[2]; // for three views
+    FfpWarpStats two[2]; // for three views
     maps.drawing = (FfpDrawing){0}, maps.folder = in_scratch("maps");
-    refused(ffp_write_maps(NULL, gaussians, capture, &maps, two, 2, &err) < 0, "stats");
+    refused(ffp_write_warps(NULL, gaussians, capture, &maps, two, 2, &err) < 0, "stats");
     assert_false(ffp_is_folder(in_scratch("maps")));
     FfpRenderer *renderer = ffp_renderer_new(NULL, (FfpDrawing){.samples = 4}, &err);
     assert_non_null(renderer);

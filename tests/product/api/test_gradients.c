@@ -124,14 +124,19 @@ static const int widths[7] = {3, 3, 4, 1, 3, 1, 3};
 static FfpRenderGradients gradients_out(Gradients *g) {
     for (int a = 0; a < 7; a++) g->all[a] = calloc((size_t)(scene.arrays.count * widths[a]), sizeof(float));
     g->patterns = calloc((size_t)PATTERNS * PATTERN, sizeof(float));
-    return (FfpRenderGradients){
-        .gaussians = {0, g->all[0], g->all[1], g->all[2], g->all[3], g->all[4], g->all[5], g->all[6]},
-        .patterns = g->patterns,
-        .intensity = g->intensity,
-        .cameras = g->cameras,
-        .projectors = g->projectors,
-        .camera_focals = g->camera_focals,
-        .projector_focals = g->projector_focals};
+    return (FfpRenderGradients){.gaussians = {.centre = g->all[0],
+                                              .scale = g->all[1],
+                                              .rotation = g->all[2],
+                                              .opacity = g->all[3],
+                                              .albedo = g->all[4],
+                                              .roughness = g->all[5],
+                                              .ambient = g->all[6]},
+                                .patterns = g->patterns,
+                                .intensity = g->intensity,
+                                .cameras = g->cameras,
+                                .projectors = g->projectors,
+                                .camera_focals = g->camera_focals,
+                                .projector_focals = g->projector_focals};
 }
 
 static void free_gradients(Gradients *g) {
@@ -251,9 +256,21 @@ static void test_distortion(void **state) {
           map[SIDE * SIDE], grad[SIDE * SIDE] = {[MIDDLE] = 1}, moved[6];
     float *maps[FFP_MAP_COUNT] = {[FFP_MAP_DISTORTION] = map};
     const float *grads[FFP_MAP_COUNT] = {[FFP_MAP_DISTORTION] = grad};
-    const FfpPinhole camera = {
-        SIDE, SIDE, SIDE, SIDE, SIDE / 2.0, SIDE / 2.0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
-    const FfpRenderBatch batch = {.gaussians = {2, centre, scale, rotation, opacity, even, opacity, even},
+    const FfpPinhole camera = {.width = SIDE,
+                               .height = SIDE,
+                               .fx = SIDE,
+                               .fy = SIDE,
+                               .cx = SIDE / 2.0,
+                               .cy = SIDE / 2.0,
+                               .pose = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    const FfpRenderBatch batch = {.gaussians = {.count = 2,
+                                                .centre = centre,
+                                                .scale = scale,
+                                                .rotation = rotation,
+                                                .opacity = opacity,
+                                                .albedo = even,
+                                                .roughness = opacity,
+                                                .ambient = even},
                                   .n_views = 1,
                                   .cameras = &camera,
                                   .projectors = &camera,

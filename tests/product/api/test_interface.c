@@ -85,8 +85,8 @@ TAKES(page, FfpPage, ffp_page_defaults, ffp_write_page(cancelled, gaussians, cap
 TAKES(images, FfpCompensation, ffp_compensation_defaults, compensate(options))
 TAKES(compensate, FfpCompensation, ffp_compensation_defaults,
       ffp_compensate(cancelled, gaussians, capture, options, NULL, &err))
-TAKES(maps, FfpMaps, ffp_maps_defaults,
-      ffp_write_maps(cancelled, gaussians, capture, options, NULL, 0, &err) >= 0)
+TAKES(maps, FfpWarps, ffp_warps_defaults,
+      ffp_write_warps(cancelled, gaussians, capture, options, NULL, 0, &err) >= 0)
 TAKES(splats, FfpExport, ffp_export_defaults, ffp_export(cancelled, gaussians, capture, options, NULL, &err))
 TAKES(evaluate, FfpEvaluation, ffp_evaluation_defaults, evaluate(options))
 TAKES(train, FfpTraining, ffp_training_defaults, ffp_train_model(cancelled, options, &err))
@@ -117,7 +117,7 @@ static const struct {
     ROW(page, FfpPage),
     ROW(images, FfpCompensation),
     ROW(compensate, FfpCompensation),
-    ROW(maps, FfpMaps),
+    ROW(maps, FfpWarps),
     ROW(splats, FfpExport),
     ROW(evaluate, FfpEvaluation),
     ROW(train, FfpTraining),

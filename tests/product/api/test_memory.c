@@ -41,11 +41,16 @@ static void rebuild(Rebuilt *r, const FfpCapture *from) {
     const int n_views = ffp_capture_views(from), n_patterns = ffp_capture_patterns(from);
     *r = (Rebuilt){0};
     assert_true(n_views <= VIEWS_MAX && n_patterns <= PATTERNS_MAX);
-    r->data =
-        (FfpCaptureData){"sample", n_patterns, n_views, r->patterns, r->views, .black = -1, .white = -1};
+    r->data = (FfpCaptureData){.name = "sample",
+                               .n_patterns = n_patterns,
+                               .n_views = n_views,
+                               .patterns = r->patterns,
+                               .views = r->views,
+                               .black = -1,
+                               .white = -1};
     for (int p = 0; p < n_patterns; p++) {
         const char *name = ffp_capture_pattern_name(from, p);
-        r->patterns[p] = (FfpPatternData){name, ffp_capture_picture(from, -1, p), false};
+        r->patterns[p] = (FfpPatternData){.name = name, .picture = ffp_capture_picture(from, -1, p)};
         if (strcmp(name, "all_black") == 0) r->data.black = p;
         if (strcmp(name, "all_white") == 0) r->data.white = p;
     }
@@ -194,18 +199,39 @@ static void test_bytes_are_read_as_a_png_is(void **state) {
     const char *path = in_scratch("bytes.png");
     assert_true(ffp_image_write_png(&image, path, &err));
     assert_true(ffp_image_read_over_black(&rgb, &alpha, path, &err));
-    const FfpPicture bytes = {rows, WIDTH, HEIGHT, 4, FFP_PIXELS_U8, ROW};
+    const FfpPicture bytes = {.data = rows,
+                              .width = WIDTH,
+                              .height = HEIGHT,
+                              .channels = 4,
+                              .type = FFP_PIXELS_U8,
+                              .row_bytes = ROW};
     const FfpPicture photographs[3] = {bytes, bytes, bytes};
-    const FfpPinhole device = {
-        WIDTH, HEIGHT, 30, 30, 12, 8, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -4, 0, 0, 0, 1}};
+    const FfpPinhole device = {.width = WIDTH,
+                               .height = HEIGHT,
+                               .fx = 30,
+                               .fy = 30,
+                               .cx = 12,
+                               .cy = 8,
+                               .pose = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -4, 0, 0, 0, 1}};
     FfpPinhole projector = device;
     projector.width = projector.height = 16;
-    const FfpPatternData patterns[3] = {{"black", {0}, false},
-                                        {"white", {0}, false},
-                                        {"dots", {pattern, 16, 16, 3, FFP_PIXELS_U8, 0}, false}};
+    const FfpPatternData patterns[3] = {
+        {.name = "black"},
+        {.name = "white"},
+        {.name = "dots",
+         .picture = {.data = pattern, .width = 16, .height = 16, .channels = 3, .type = FFP_PIXELS_U8}}};
     const FfpViewData view = {
         .id = "a", .camera = device, .projector = projector, .photographs = photographs};
-    const FfpCaptureData data = {"tiny", 3, 1, patterns, &view, 0, 1, {1, 1, 1}, {0, 0, 0}, 1};
+    const FfpCaptureData data = {.name = "tiny",
+                                 .n_patterns = 3,
+                                 .n_views = 1,
+                                 .patterns = patterns,
+                                 .views = &view,
+                                 .black = 0,
+                                 .white = 1,
+                                 .intensity = {1, 1, 1},
+                                 .centre = {0, 0, 0},
+                                 .radius = 1};
     FfpCapture *capture = ffp_capture_from_memory(NULL, &data, &err);
     if (!capture) fail_msg("%s", err.text);
     const FfpPicture got = ffp_capture_picture(capture, 0, 2), share = ffp_capture_coverage(capture, 0);
@@ -388,7 +414,15 @@ static void test_wrong_data_is_refused_by_name(void **state) {
     ffp_capture_close(files);
 
     float three[3] = {0, 0, 0}, four[4] = {1, 0, 0, 0}, scale[3] = {1, 1, 1}, one[1] = {0.5F};
-    FfpGaussianArrays arrays = {1, three, scale, four, one, three, one, three};
+    FfpGaussianArrays arrays = {.count = 1,
+                                .centre = three,
+                                .scale = scale,
+                                .rotation = four,
+                                .opacity = one,
+                                .albedo = three,
+                                .roughness = one,
+                                .ambient = three,
+                                .scattered = three};
     FfpGaussians *gaussians = ffp_gaussians_from_arrays(NULL, &arrays, &err);
     assert_non_null(gaussians);
     ffp_gaussians_close(gaussians);

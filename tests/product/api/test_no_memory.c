@@ -195,8 +195,8 @@ static bool map(FfpContext *context, const char *out, FfpError *err) {
     FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), NULL, err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
     const char *id = capture ? ffp_capture_view_id(capture, 0) : NULL;
-    const FfpMaps how = {.size = sizeof how, .views = &id, .n_views = 1, .folder = in_scratch("maps")};
-    const bool ok = gaussians && ffp_write_maps(context, gaussians, capture, &how, NULL, 0, err) > 0 &&
+    const FfpWarps how = {.size = sizeof how, .views = &id, .n_views = 1, .folder = in_scratch("maps")};
+    const bool ok = gaussians && ffp_write_warps(context, gaussians, capture, &how, NULL, 0, err) > 0 &&
                     ffp_gaussians_save(context, gaussians, out, err);
     ffp_gaussians_close(gaussians);
     ffp_capture_close(capture);

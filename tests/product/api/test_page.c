@@ -54,7 +54,8 @@ static void check_splats(const json_t *scene, const unsigned char *bytes, size_t
     const double low = number(json_object_get(scene, "low"), 7),
                  high = number(json_object_get(scene, "high"), 7);
     size_t at = 0;
-    assert_true(n > 100 && size >= n * (12 + 2 * FFP_PAGE_COLUMNS));
+    const size_t columns = json_array_size(json_object_get(scene, "low"));
+    assert_true(n > 100 && size >= n * (12 + 2 * columns));
     for (int64_t i = 0; i < gaussians->count; i++) {
         if (gaussians->opacity[i] < 1.0F / 255) continue;
         assert_memory_equal(bytes + 12 * at, gaussians->centre + 3 * i, 12); // little-endian machines alone
@@ -120,8 +121,10 @@ static void test_the_real_projector_goes_along(void **state) {
     json_t *scene = json_loads(element("scene"), 0, NULL);
     assert_null(json_object_get(scene, "panel"));
     json_decref(scene);
-    capture->panel =
-        (FfpPanel){true, 1920, 1080, 2000, 1990, 960, 1080, {0.1F, 0, 0, 0, 0.25F}, true, {2, 2.5F, 3}, 0};
+    capture->panel = (FfpPanel){true, 1920,         1080, 2000,
+                                1990, 960,          1080, {0.1F, 0, 0, 0, 0.25F},
+                                true, {2, 2.5F, 3}, 0,    {0.01F, 0.02F, 0.03F},
+                                18};
     write_page(&how);
     capture->panel = (FfpPanel){0};
     scene = json_loads(element("scene"), 0, NULL);
@@ -130,6 +133,34 @@ static void test_the_real_projector_goes_along(void **state) {
     assert_true(json_number_value(json_object_get(panel, "fy")) == 1990);
     assert_true(number(json_object_get(panel, "lens"), 4) == 0.25);
     assert_true(number(json_object_get(panel, "gamma"), 1) == 2.5);
+    const json_t *spread = json_object_get(panel, "spread");
+    assert_true(fabs(number(json_object_get(spread, "share"), 2) - 0.03) < 1e-8);
+    assert_true(json_number_value(json_object_get(spread, "deviation")) == 18);
+    json_decref(scene);
+}
+
+// In three columns more, and only where there is any.
+static void test_scattered_light_goes_along(void **state) {
+    (void)state;
+    const FfpPage how = {.size = sizeof how, .file = in_scratch("page.html")};
+    const long long bytes = write_page(&how).bytes;
+    json_t *scene = json_loads(element("scene"), 0, NULL);
+    assert_int_equal(json_array_size(json_object_get(scene, "low")), FFP_PAGE_COLUMNS - 3);
+    const size_t n = (size_t)json_integer_value(json_object_get(scene, "count"));
+    json_decref(scene);
+    for (int64_t i = 0; i < 3 * gaussians->count; i++)
+        gaussians->scattered[i] = 0.01F * (real)(i % 3 + i % 2);
+    gaussians->scatters = true;
+    const long long more = write_page(&how).bytes - bytes;
+    gaussians->scatters = false;
+    size_t size;
+    unsigned char *data = decode(element("data"), &size);
+    scene = json_loads(element("scene"), 0, NULL);
+    assert_int_equal(json_array_size(json_object_get(scene, "low")), FFP_PAGE_COLUMNS);
+    assert_true(fabs(number(json_object_get(scene, "high"), 17) - 0.03) < 1e-7);
+    check_splats(scene, data, size);
+    assert_in_range(more, 8 * n, 8 * n + 200); // 6 bytes as base64
+    ffp_free(data);
     json_decref(scene);
 }
 
@@ -137,6 +168,54 @@ static void test_photographs_are_left_out_when_asked(void **state) {
     (void)state;
     const FfpPage how = {.size = sizeof how, .file = in_scratch("page.html")};
     assert_int_equal(write_page(&how).photographs, 0);
+}
+
+enum { MANY = 12, GRAINY = 300 }; // views; pixels a side of photographs that no PNG makes small
+
+static void make_grainy(FfpCapture *many) {
+    FfpError err = {0};
+    FfpSceneSpec spec = ffp_scene_defaults();
+    spec.mesh = 3, spec.material = 2, spec.resolution = SMALL_SIDE, spec.pattern_side = SMALL_PATTERN;
+    spec.views = MANY, spec.targets = 0, spec.lollipops = 1, spec.samples = 1, spec.ambient_rays = 1;
+    if (!ffp_scene_make(many, &spec, &err)) fail_msg("%s", err.text);
+    unsigned seed = 1;
+    for (int v = 0; v < MANY; v++) {
+        FfpView *view = &many->views[v];
+        view->camera.width = view->camera.height = GRAINY;
+        ffp_image_free(&view->coverage);
+        view->coverage = ffp_image_new(GRAINY, GRAINY, 1);
+        for (int p = 0; p < many->n_patterns; p++) {
+            ffp_image_free(&view->images[p]);
+            view->images[p] = ffp_image_new(GRAINY, GRAINY, 3);
+            for (int i = 0; i < 3 * GRAINY * GRAINY; i++)
+                view->images[p].data[i] = (real)((seed = seed * 1664525 + 1013904223) >> 8) / (1 << 24);
+        }
+    }
+}
+
+// Where there is no room for all photographs, those under white become smaller.
+static void test_every_view_has_a_photograph(void **state) {
+    (void)state;
+    static FfpCapture many; // `capture` leads to it if an assertion jumps out
+    FfpCapture *small = capture;
+    make_grainy(&many);
+    capture = &many;
+    const FfpPage how = {.size = sizeof how, .file = in_scratch("many.html"), .photographs = 512};
+    const FfpPageStats stats = write_page(&how);
+    capture = small;
+    json_t *scene = json_loads(element("scene"), 0, NULL), *view;
+    json_int_t bytes = 0;
+    size_t v;
+    json_array_foreach(json_object_get(scene, "views"), v, view) {
+        const json_t *first = json_array_get(json_object_get(view, "photographs"), 0);
+        assert_int_equal(json_integer_value(json_object_get(first, "pattern")), many.white);
+        assert_in_range(json_integer_value(json_object_get(first, "size")), 50000, 1500000 / (MANY - 1));
+        bytes += json_integer_value(json_object_get(first, "size"));
+    }
+    assert_int_equal(stats.photographs, MANY);
+    assert_in_range(bytes, 1000000, 1500000);
+    json_decref(scene);
+    ffp_capture_free(&many);
 }
 
 static void test_wrong_settings_are_refused(void **state) {
@@ -163,7 +242,9 @@ int main(void) {
         cmocka_unit_test(test_what_it_holds_reads_back),
         cmocka_unit_test(test_names_cannot_break_the_page),
         cmocka_unit_test(test_the_real_projector_goes_along),
+        cmocka_unit_test(test_scattered_light_goes_along),
         cmocka_unit_test(test_photographs_are_left_out_when_asked),
+        cmocka_unit_test(test_every_view_has_a_photograph),
         cmocka_unit_test(test_wrong_settings_are_refused),
     };
     const int failed = cmocka_run_group_tests(tests, setup, teardown);

@@ -166,6 +166,146 @@ static void test_a_bumped_projector(void **state) {
     assert_non_null(strstr(run.err, "none.ply"));
 }
 
+// --- A second projector. ---
+
+// The panel's pixel that lights what a camera's pixel sees of the ball, 0 where none does.
+static void code_at(const FfpCamera *camera, const FfpCamera *projector, int pixel, real code[3]) {
+    real direction[3], point[3], b = 0, c = -TINY_BALL * TINY_BALL, towards = 0;
+    ffp_pixel_ray(camera, (real)(pixel % SIDE) + 0.5F, (real)(pixel / SIDE) + 0.5F, direction);
+    memset(code, 0, 3 * sizeof *code);
+    for (int i = 0; i < 3; i++)
+        b += camera->pose[4 * i + 3] * direction[i], c += camera->pose[4 * i + 3] * camera->pose[4 * i + 3];
+    if (b * b < c) return;
+    for (int i = 0; i < 3; i++) {
+        point[i] = camera->pose[4 * i + 3] + (-b - sqrtf(b * b - c)) * direction[i];
+        towards += (projector->pose[4 * i + 3] - point[i]) * point[i];
+    }
+    if (towards <= 0) return;
+    code[2] = ffp_project(projector, point, &code[0], &code[1]) > 0;
+}
+
+// The tiny capture's second projector, which turns with its camera as all devices do around the ball.
+static FfpCamera second_projector(int view) {
+    const float turn = (float)view * 6.2831853F / TINY_VIEWS, c = cosf(turn), s = sinf(turn),
+                at[3] = {1.9F * c + 1.2F * s, 1.9F * s - 1.2F * c, 0.7F};
+    FfpCamera projector = tiny_device(at, TINY_PATTERN, TINY_PATTERN * 1.15F);
+    projector.cy += 3;
+    return projector;
+}
+
+// A view under its light, of which the file says nothing right; at most so many pixels have codes, 0: it has
+// no Gray codes.
+static void light_view(FfpCapture *capture, int v, int codes) {
+    FfpView *view = &capture->views[v];
+    const FfpCamera projector = second_projector(v);
+    for (int p = 0; p < capture->n_patterns; p++) {
+        FfpSummed light = ffp_summed_new(&capture->patterns[p].image);
+        FfpImage picture = tiny_photograph(&view->camera, &projector, &light);
+        for (int i = 0; i < SIDE * SIDE * 3; i++)
+            view->images[p].data[i] = picture.data[i / 3 * 4 + i % 3] * picture.data[i / 3 * 4 + 3];
+        ffp_image_free(&picture);
+        ffp_summed_free(&light);
+    }
+    if (codes > 0) view->correspondence = ffp_image_new(SIDE, SIDE, 3);
+    for (int i = 0; i < SIDE * SIDE && codes > 0; i++) {
+        real *code = view->correspondence.data + 3 * i;
+        code_at(&view->camera, &projector, i, code);
+        codes -= code[2] > 0;
+    }
+}
+
+// The first of its views, so lit.
+static void write_second(const char *name, int n_views, int codes) {
+    FfpCapture capture;
+    FfpError err = {0};
+    if (!ffp_capture_read(&capture, in_scratch("tiny"), &err)) fail_msg("%s", err.text);
+    for (int v = 0; v < n_views; v++) light_view(&capture, v, codes);
+    const int views = capture.n_views;
+    capture.n_views = n_views;
+    capture.intensity_known = false;
+    if (!ffp_capture_write(&capture, in_scratch(name), &err)) fail_msg("%s", err.text);
+    capture.n_views = views;
+    ffp_capture_free(&capture);
+}
+
+// A projector's place to `most`, and its direction and lens by as much.
+static void is_found(const FfpCapture *capture, int v, float most) {
+    const FfpCamera *projector = &capture->views[v].projector, right = second_projector(v);
+    printf("at %.3f %.3f %.3f of %.3f %.3f %.3f, focal length %.2f of %.2f, middle %.2f %.2f of %.2f %.2f\n",
+           (double)projector->pose[3], (double)projector->pose[7], (double)projector->pose[11],
+           (double)right.pose[3], (double)right.pose[7], (double)right.pose[11], (double)projector->fx,
+           (double)right.fx, (double)projector->cx, (double)projector->cy, (double)right.cx,
+           (double)right.cy);
+    for (int k = 0; k < 3; k++) {
+        assert_float_equal(projector->pose[4 * k + 3], right.pose[4 * k + 3], most);
+        assert_float_equal(projector->pose[4 * k + 2], right.pose[4 * k + 2], most / 4);
+    }
+    assert_float_equal(projector->fx / right.fx, 1, most / 2);
+    assert_float_equal(projector->cy / right.height, right.cy / right.height, most / 4);
+}
+
+// Found where it stands, with its lens and its light; commands take the capture as one of its own.
+static void test_a_second_projector(void **state) {
+    (void)state;
+    FfpCapture found;
+    write_second("lit", 1, SIDE * SIDE);
+    assert_int_equal(run_format(&run, "align %s/lit -g %s/ball.ply --second-projector --json -o %s/second",
+                                scratch, scratch, scratch),
+                     0);
+    json_t *told = json_loads(run.out, 0, NULL),
+           *pose = json_object_get(json_object_get(told, "projector"), "pose");
+    assert_int_equal(json_array_size(pose), 16);
+    assert_true(json_number_value(json_object_get(told, "rms")) < 0.5);
+    assert_true(ffp_capture_read(&found, in_scratch("second"), NULL));
+    is_found(&found, 0, 0.2F);
+    for (int k = 0; k < 3; k++) {
+        assert_float_equal(json_number_value(json_array_get(pose, (size_t)(4 * k + 3))),
+                           found.views[0].projector.pose[4 * k + 3], 1e-4);
+        assert_float_equal(found.intensity[k], 4, 0.5);
+    }
+    json_decref(told);
+    ffp_capture_free(&found);
+    assert_int_equal(
+        run_format(&run, "map %s/ball.ply --capture %s/second -o %s/maps", scratch, scratch, scratch), 0);
+    assert_int_equal(
+        run_format(&run,
+                   "compensate %s/ball.ply -c %s/second -v view_0 -t %s/second/patterns/stripes.png "
+                   "-o %s/sent.png --paint --steps 2",
+                   scratch, scratch, scratch, scratch),
+        0);
+}
+
+// From all sides at once, and told in words.
+static void test_a_second_projector_at_every_stop(void **state) {
+    (void)state;
+    FfpCapture found;
+    write_second("around", TINY_VIEWS, SIDE * SIDE);
+    assert_int_equal(run_format(&run, "align %s/around -g %s/ball.ply --second-projector -o %s/turned",
+                                scratch, scratch, scratch),
+                     0);
+    printf("%s", run.out);
+    assert_non_null(strstr(run.out, "points used"));
+    assert_true(ffp_capture_read(&found, in_scratch("turned"), NULL));
+    for (int v = 0; v < TINY_VIEWS; v++) is_found(&found, v, 0.15F);
+    ffp_capture_free(&found);
+}
+
+static void test_no_second_projector(void **state) {
+    (void)state;
+    static const char command[] = "align %s/%s -g %s/ball.ply --second-projector -o %s/none";
+    write_second("plain", 1, 0);
+    assert_int_equal(run_format(&run, command, scratch, "plain", scratch, scratch), 1);
+    assert_non_null(strstr(run.err, "no view has Gray codes"));
+    write_second("few", 1, 50);
+    assert_int_equal(run_format(&run, command, scratch, "few", scratch, scratch), 1);
+    assert_non_null(strstr(run.err, "are the least"));
+    assert_false(ffp_is_file(in_scratch("none/scene.json")));
+    assert_int_equal(run_format(&run, "align %s/plain --second-projector -o %s/none", scratch, scratch), 2);
+    assert_int_equal(run_format(&run, "import -c x.xml -i black=x.png --other-projector -o %s/none", scratch),
+                     2);
+    assert_non_null(strstr(run.err, "--projector-size"));
+}
+
 static void test_refusals_come_before_the_work(void **state) {
     (void)state;
     assert_int_equal(run_format(&run, "align %s/tiny -o %s/tiny", scratch, scratch), 1);
@@ -189,6 +329,9 @@ int main(void) {
         cmocka_unit_test(test_figures_as_json),
         cmocka_unit_test(test_focal_lengths),
         cmocka_unit_test(test_a_bumped_projector),
+        cmocka_unit_test(test_a_second_projector),
+        cmocka_unit_test(test_a_second_projector_at_every_stop),
+        cmocka_unit_test(test_no_second_projector),
         cmocka_unit_test(test_refusals_come_before_the_work),
     };
     return cmocka_run_group_tests(tests, group_setup, scratch_teardown);

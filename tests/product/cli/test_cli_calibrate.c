@@ -1,5 +1,6 @@
 // `ffprocams calibrate`: wrong usage, and real photographs (kamino410/procam-calibration's sample) against
 // what OpenCV's own script makes of them. They are not part of the project: without them that is skipped.
+// Labels: slow
 #include <math.h>
 #include "core/base/rigid.h"
 #include "product/cli/program.h"
@@ -28,7 +29,9 @@ static void wrong_usage(void **state) {
         {"calibrate shots -o x.xml --board 9x6 --square 25 --angles 8x0", "not '8x0'"},
         {"calibrate shots -o x.xml --board 9x6 --square 25 --angles 0x45", "not '0x45'"},
         {"calibrate shots -o x.xml --board 9x6 --square 25 --angles 0,45,", "not '0,45,'"},
-        {"calibrate shots -o x.xml --board 9x6 --square 0x10", "not '0x10'"}};
+        {"calibrate shots -o x.xml --board 9x6 --square 0x10", "not '0x10'"},
+        {"calibrate shots -o x --camera-per-folder", "--without-board"},
+        {"calibrate shots -o x --without-board --camera-per-folder --angles 8x45", "--angles"}};
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         run_program(&run, table[i][0]);
         assert_int_equal(run.status, 2);
@@ -70,12 +73,15 @@ static void the_same_is_told_once(void **state) {
                                           "1920 x 1080"),
                          given);
     }
+    run_format(&run, "calibrate %s/shots -o %s/x.xml --board 9x6 --square 25 --json", scratch, scratch);
+    assert_int_equal(run.status, 1);
+    assert_non_null(strstr(run.out, "\"code\": \"too-few-usable\""));
     // Two of them are of another kind.
     snprintf(command, sizeof command,
              "cd %s/shots && cp pose_1/1.png pose_1/2.png && cp pose_3/1.png pose_3/2.png", scratch);
     assert_int_equal(system(command), 0);
     run_format(&run, "calibrate %s/shots -o %s/x.xml --board 9x6 --square 25", scratch, scratch);
-    assert_non_null(strstr(run.err, "; pose_0, pose_2: 1 photographs"));
+    assert_non_null(strstr(run.err, "(pose_0, pose_2: 1 photographs"));
     assert_non_null(strstr(run.err, "; pose_1, pose_3: 2 photographs"));
 }
 
@@ -122,9 +128,42 @@ static void real_photographs(void **state) {
     ffp_calibration_free(&found), ffp_calibration_free(&known);
 }
 
+// The commands that a calibration prints run as they are typed: folders of one name in several places.
+static void what_comes_next_runs(void **state) {
+    (void)state;
+    char text[2048];
+    if (without_opencv) skip();
+    assert_int_equal(run_format(&run, "patterns -o %s/given --projector 160x100", scratch), 0);
+    run_format(&run,
+               "generate %s/walk --photographs %s/given --rig walk --views 3 --split test --first 1 "
+               "--resolution 120 --preset smoke",
+               scratch, scratch);
+    if (run.status != 0) skip(); // without Embree
+    snprintf(text, sizeof text,
+             "cd '%s' && for p in walk/place-*; do mkdir -p days/${p#*/} && mv $p days/${p#*/}/shots; done",
+             scratch);
+    assert_int_equal(system(text), 0);
+    // Everything that was shown; codes alone; one of these lost, inverses before patterns.
+    static const char *const changes[] = {
+        "true", "rm -f days/*/shots/00[123]*",
+        ("for s in days/*/shots; do i=0; for f in $s/*; do i=$((i+1)); n=$(((i-1)/2*2+2-(i-1)%2)); mv $f "
+         "$s/r$(printf %02d $n).png; done; rm $s/r15.png; done")};
+    for (size_t k = 0; k < sizeof changes / sizeof *changes; k++) {
+        snprintf(text, sizeof text,
+                 "set -e; cd '%s'; ffprocams() { '%s' \"$@\"; }; rm -rf next patterns capture; %s; "
+                 "ffprocams calibrate days/*/shots --without-board --projector 160x100 -o next >said; "
+                 "sed -n '/^ffprocams/p' said >next.sh; test $(wc -l <next.sh) = 2; . ./next.sh",
+                 scratch, FFP_PROGRAM, changes[k]);
+        assert_int_equal(system(text), 0);
+        assert_int_equal(run_format(&run, "info %s/capture", scratch), 0);
+        assert_non_null(strstr(run.out, "place-02: camera"));
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(wrong_usage), cmocka_unit_test(what_is_refused),
                                        cmocka_unit_test(the_same_is_told_once),
+                                       cmocka_unit_test(what_comes_next_runs),
                                        cmocka_unit_test(real_photographs)};
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
 }

@@ -48,7 +48,11 @@ static void findings_and_errors(void **state) {
     (void)state;
     assert_int_equal(run_with_events("info " FFP_SOURCE_DIR "/data/sample"), 0);
     assert_true(told("finding", "code", "clipped") && told("finding", "severity", "ok"));
+    assert_int_equal(run_with_events("calibrate --without-board " FFP_SOURCE_DIR "/data/sample -o x"), 1);
+    assert_true(told("finding", "code", "place-left-out") && told("finding", "code", "too-few-usable"));
+    assert_true(told("error", "code", "photographs-missing") && told("finding", "severity", "fault"));
     assert_int_equal(run_with_events("info /nowhere"), 1);
+    assert_true(told("error", "where", "/nowhere"));
     assert_true(json_is_false(json_object_get(json_array_get(lines, json_array_size(lines) - 1), "fault")));
 }
 

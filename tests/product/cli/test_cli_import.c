@@ -432,6 +432,8 @@ static void test_masks_that_leave_nothing_are_refused(void **state) {
              "-c %s/cal.yml " SIZES TURNTABLE FIRST_TWO SHOTS PATTERN "-m '%s/mask_{view}.png'", scratch,
              scratch);
     must_fail(arguments, "the masks of all views are black: they must be white on the object (");
+    assert_int_equal(run_format(&run, "--events 1 import %s -o %s/none", arguments, scratch), 1);
+    assert_true(has_told(&run, "masks-empty"));
 }
 
 // sRGB's curve is nearly the power 2.2, and another answer is no better: patterns stay as they are.
@@ -568,6 +570,11 @@ static void test_refusals(void **state) {
         snprintf(arguments, sizeof arguments, "-c %s/cal.yml %s", scratch, cases[i].more);
         must_fail(arguments, cases[i].what);
     }
+    // A quotation of an option tells nothing of the place.
+    snprintf(arguments, sizeof arguments, "-c %s/cal.yml " SIZES "-t '0,1,0,0,0,3,(width)' " SHOTS PATTERN,
+             scratch);
+    must_fail(arguments, "(width)");
+    assert_null(strstr(run.err, "--width W"));
     // A folder that holds something is not written over.
     snprintf(arguments, sizeof arguments, "import -c %s/cal.yml " SIZES TURNTABLE SHOTS PATTERN "-o %s",
              scratch, scratch);

@@ -34,6 +34,28 @@ static void a_folder_to_show(void **state) {
     ffp_free(text);
 }
 
+static void greys_lie_before_the_codes(void **state) {
+    (void)state;
+    FfpImage image = {0};
+    FfpError err = {0};
+    assert_int_equal(run_format(&run, "patterns -o %s/greys --projector 160x90 --greys 4", scratch), 0);
+    assert_true(ffp_is_file(in_scratch("greys/003_lollipop_0.png")));
+    assert_true(ffp_is_file(in_scratch("greys/004_grey_051.png")));
+    assert_true(ffp_is_file(in_scratch("greys/008_gray_x_00.png")));
+    if (!ffp_image_read(&image, in_scratch("greys/007_grey_204.png"), FFP_COLOUR_ENCODED, &err))
+        fail_msg("%s", err.text);
+    assert_float_equal(image.data[0], 0.8, 1e-6);
+    ffp_image_free(&image);
+    char *text;
+    size_t size;
+    assert_true(ffp_read_text(in_scratch("greys/README.txt"), 1 << 20, &text, &size, &err));
+    assert_non_null(strstr(text, "makes of a value:\n\n    004_grey_051.png\n    005_grey_102.png"));
+    const char *empty = strstr(text, "empty/ ");
+    assert_true(empty && strstr(empty, "001 to 003")); // without greys
+    ffp_free(text);
+    assert_int_equal(run_format(&run, "patterns -o %s/many --projector 160x90 --greys 65", scratch), 2);
+}
+
 // At true size: the page's box in points, the first square in millimetres, objects where the table says.
 static void the_chessboard_on_paper(void **state) {
     (void)state;
@@ -89,6 +111,7 @@ static void what_is_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_folder_to_show), cmocka_unit_test(a_part_of_them),
+                                       cmocka_unit_test(greys_lie_before_the_codes),
                                        cmocka_unit_test(the_chessboard_on_paper),
                                        cmocka_unit_test(what_is_refused)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);

@@ -66,21 +66,28 @@ static const json_t *row_of(const json_t *root, const char *protocol) {
     return NULL;
 }
 
-// The line that a reconstruction ends with: as many Gaussians as the file has, and the PSNR that `evaluate`
-// finds on the photographs that were given (there rounded to 8 bits).
+// The lines that a reconstruction ends with: as many Gaussians as the file has, and the PSNR that `evaluate`
+// finds on the photographs that were given and on those held out (there rounded to 8 bits).
 static void test_a_reconstruction_says_how_good_it_is(void **state) {
     (void)state;
     char least[64];
     long long said, held;
-    double psnr, worst, seconds;
-    assert_int_equal(
-        run_format(&run, "reconstruct %s/tiny -o %s/said.ply --model none --polish 8", scratch, scratch), 0);
+    double psnr, worst, seconds, unseen, lit, own;
+    assert_int_equal(run_format(&run, "--events 2 reconstruct %s/tiny -o %s/said.ply --model none --polish 8",
+                                scratch, scratch),
+                     0);
     assert_int_equal(sscanf(strrchr(run.out, '/'),
                             "/said.ply: %lld Gaussians from lollipop_0: %lf dB on its photographs (least: "
                             "%63[^,], %lf dB), %lf s (",
                             &said, &psnr, least, &worst, &seconds),
                      5);
-    assert_string_equal(strchr(run.out, '\n'), "\n"); // one line
+    assert_int_equal(
+        sscanf(strchr(run.out, '\n'),
+               "\non patterns that no fit has seen: %lf dB (where lit: %lf dB, and %lf dB on its own "
+               "photographs)\n",
+               &unseen, &lit, &own),
+        3);
+    assert_non_null(strstr(run.err, lit < 22 ? "\"unseen-badly-predicted\"" : "\"unseen-predicted\""));
     assert_true(worst < psnr && worst > psnr - 6 && seconds > 0);
     assert_int_equal(run_format(&run, "info %s/said.ply", scratch), 0);
     assert_int_equal(sscanf(run.out, "Gaussians %lld", &held), 1);
@@ -89,9 +96,10 @@ static void test_a_reconstruction_says_how_good_it_is(void **state) {
         run_format(&run, "evaluate %s/tiny -g %s/said.ply --json %s/said.json", scratch, scratch, scratch),
         0);
     json_t *root = json_load_file(in_scratch("said.json"), 0, NULL);
-    const double given = json_number_value(json_object_get(row_of(root, "given"), "psnr"));
+    const double given = json_number_value(json_object_get(row_of(root, "given"), "psnr")),
+                 novel = json_number_value(json_object_get(row_of(root, "novel_pattern"), "psnr"));
     json_decref(root);
-    assert_true(fabs(given - psnr) < 0.1);
+    assert_true(fabs(given - psnr) < 0.1 && fabs(novel - unseen) < 0.1 && lit < unseen && own < psnr);
     assert_int_equal(run_format(&run, "info %s/tiny", scratch), 0);
     assert_non_null(strstr(run.out, least));
 }

@@ -1,17 +1,17 @@
 // Photographs of a rig whose camera's tilt sensor erred: one stop is tagged as upside down, or one
-// photograph.
-#include "core/image/image.h"
-#include "core/image/picture_files.h"
+// photograph. And one stop that another camera took.
 #include "product/cli/program.h"
+#include "rig/shots/tagged.h"
 
 static ProgramRun run;
 
-// A photograph again, as a JPEG with this tag.
-static void tag(const char *view, int photograph, int orientation) {
-    unsigned char exif[64] = "Exif\0\0II*\0\10\0\0\0\1\0\22\1\3\0\1\0\0\0";
+// A photograph again, as a JPEG with this tag and this number of the camera.
+static void tag(const char *view, int photograph, int orientation, const char *serial) {
     char path[FFP_PATH_MAX], jpeg[FFP_PATH_MAX];
+    FfpTakenBy by = {.model = "DC-S5"};
     FfpImage image;
     FfpError err = {0};
+    snprintf(by.serial, sizeof by.serial, "%s", serial);
     snprintf(path, sizeof path, "%s/shots/view-%s/%03d.png", scratch, view, photograph);
     snprintf(jpeg, sizeof jpeg, "%s/shots/view-%s/%03d.jpg", scratch, view, photograph);
     if (!ffp_image_read(&image, path, FFP_COLOUR_ENCODED, &err)) fail_msg("%s", err.text);
@@ -19,9 +19,7 @@ static void tag(const char *view, int photograph, int orientation) {
     unsigned char *bytes = ffp_alloc((size_t)pixels, 3);
     for (int i = 0; i < 3 * pixels; i++)
         bytes[i] = (unsigned char)(255 * image.data[i / 3 * image.channels + i % 3] + 0.5F);
-    exif[24] = (unsigned char)orientation;
-    const JpegKind kind = {.given = JCS_RGB, .stored = JCS_YCbCr, .exif = exif, .exif_size = 32};
-    write_jpeg_kind(jpeg, bytes, image.width, image.height, &kind);
+    write_tagged(jpeg, bytes, image.width, image.height, &by, orientation);
     ffp_free(bytes);
     ffp_image_free(&image);
 }
@@ -47,13 +45,18 @@ static void tags_that_differ_are_refused(void **state) {
                    scratch, scratch),
         0);
     for (int v = 0; v < 4; v++)
-        for (int k = 1; k <= 3; k++) tag(views[v], k, 1);
+        for (int k = 1; k <= 3; k++) tag(views[v], k, 1, "A17");
     assert_int_equal(import("sound"), 0);
-    for (int k = 1; k <= 3; k++) tag("090", k, 3);
+    assert_false(has_told(&run, "place-camera"));
+    for (int k = 1; k <= 3; k++) tag("270", k, 1, "B2");
+    assert_int_equal(import("bodies"), 0);
+    assert_true(has_told(&run, "place-camera"));
+    assert_non_null(strstr(run.err, "the photographs of '270' say a camera with the serial number 'B2'"));
+    for (int k = 1; k <= 3; k++) tag("090", k, 3, "A17");
     assert_int_equal(import("turned"), 1);
     assert_true(has_told(&run, "orientation-tags-differ"));
     assert_non_null(strstr(run.err, "view 090 are tagged as turned by 180 degrees"));
-    for (int k = 1; k < 3; k++) tag("090", k, 1);
+    for (int k = 1; k < 3; k++) tag("090", k, 1, "A17");
     assert_int_equal(import("mixed"), 1);
     assert_true(has_told(&run, "orientation-tags-mixed"));
     assert_non_null(strstr(run.err, "view-090/"));

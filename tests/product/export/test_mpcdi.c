@@ -4,6 +4,7 @@
 #include "unzip.h"
 
 #define PATH "test_mpcdi.mpcdi"
+#define OLD "test_mpcdi-1.0.mpcdi"
 
 static FfpView view_of(const char *id, real right) {
     FfpView view = {.id = "",
@@ -19,6 +20,22 @@ static int count_of(const char *text, const char *part) {
     int count = 0;
     for (const char *at = strstr(text, part); at; at = strstr(at + 1, part)) count++;
     return count;
+}
+
+// Version 1.0 has the same files under other words, which its readers insist on.
+static void check_old(unsigned char *bytes, size_t room) {
+    static const char *const words[] = {
+        "<MPCDI profile=\"2d\" level=\"1\" date=\"",
+        " version=\"1.0\">",
+        "<buffer id=\"left &lt;a&gt;\" Xresolution=\"64\" Yresolution=\"48\">",
+        "<region id=\"other\" Xresolution=\"20\" Yresolution=\"10\" x=\"0.0\"",
+        "<geometricUnit>unknown</geometricUnit>",
+        "<originof3DData>centerOfMass</originof3DData>"};
+    bytes[unpack(OLD, "mpcdi.xml", bytes, room - 1)] = 0;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        if (!strstr((const char *)bytes, words[i])) fail_msg("no %s", words[i]);
+    assert_null(strstr((const char *)bytes, "xResolution"));
+    assert_int_equal(unpack(OLD, "warp2.pfm", bytes, room), strlen("PF\n20 10\n-1.0\n") + 20 * 10 * 12);
 }
 
 static void projectors_of_one_camera_share_its_picture(void **state) {
@@ -46,7 +63,9 @@ static void projectors_of_one_camera_share_its_picture(void **state) {
     assert_int_equal(unpack(PATH, "warp2.pfm", bytes, sizeof bytes),
                      strlen("PF\n20 10\n-1.0\n") + 20 * 10 * 12);
     ffp_image_free(&map);
+    check_old(bytes, sizeof bytes);
     unlink(PATH);
+    unlink(OLD);
 }
 
 static void an_archive_ends_at_four_gigabytes(void **state) {

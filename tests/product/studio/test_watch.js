@@ -59,10 +59,10 @@ assert.deepStrictEqual([begun(stops[0], red), begun(stops[0], red.slice()), begu
 
 (async () => {
   // A photograph that is not there is an error that says so; its picture is let go, whatever happens to it.
-  let open = 0, answer = {ok: false, status: 404};
-  Object.assign(globalThis, {fetch: async () => answer, createImageBitmap: async () => { open++; return {close: () => open--}; }, smallOf: () => 'small'});
-  await assert.rejects(smallPhotograph('file/now/001.png'), /file\/now\/001\.png cannot be read \(404\)/);
-  answer = {ok: true, blob: async () => ({})};
+  let open = 0;
+  Object.assign(globalThis, {imageOf: async () => { throw new Error('now/001.png cannot be read (404).'); }, smallOf: () => 'small'});
+  await assert.rejects(smallPhotograph('now/001.png'), /now\/001\.png cannot be read \(404\)/);
+  globalThis.imageOf = async () => { open++; return {close: () => open--}; };
   assert.deepStrictEqual([await smallPhotograph('x'), open], ['small', 0]);
   globalThis.smallOf = () => { throw new Error('no memory'); };
   await assert.rejects(smallPhotograph('x'), /no memory/);

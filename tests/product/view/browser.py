@@ -47,7 +47,8 @@ class Browser:
         os.close(from_browser)
         self.write, self.read, self.left, self.last = from_here, to_here, b"", 0
         self.console, self.requests, self.targets, self.answers = [], [], [], {}
-        self.asked = []  # kinds of dialogs, all of which are agreed to
+        self.asked, self.agrees = [], True  # kinds of dialogs, and what is answered
+        self.crashed = set()  # sessions
         targets = self.call("Target.getTargets", session=None)["targetInfos"]
         page = next(t for t in targets if t["type"] == "page")
         self.session = self.call("Target.attachToTarget", {"targetId": page["targetId"], "flatten": True},
@@ -78,9 +79,11 @@ class Browser:
             self.console.append(" ".join((told["entry"]["level"] + ":", told["entry"]["text"], told["entry"].get("url", ""))))
         elif method == "Network.requestWillBeSent":
             self.requests.append(told["request"]["url"])
+        elif method == "Inspector.targetCrashed":
+            self.crashed.add(message.get("sessionId"))
         elif method == "Page.javascriptDialogOpening":
             self.asked.append(told["type"])
-            self._send("Page.handleJavaScriptDialog", {"accept": True}, self.session)
+            self._send("Page.handleJavaScriptDialog", {"accept": self.agrees}, message.get("sessionId", self.session))
 
     def _receive(self, end):
         while b"\0" not in self.left:
@@ -126,10 +129,22 @@ class Browser:
     def open(self, path):
         self.call("Page.navigate", {"url": path if "://" in path else "file://" + os.path.abspath(path)})
 
-    def run(self, script, timeout=600):
+    def pages(self, mark):
+        """The ids of the open pages whose addresses contain this."""
+        targets = self.call("Target.getTargets", session=None)["targetInfos"]
+        return [t["targetId"] for t in targets if t["type"] == "page" and mark in t["url"]]
+
+    def attach(self, target):
+        """A session with another page, for call and run."""
+        session = self.call("Target.attachToTarget", {"targetId": target, "flatten": True}, session=None)["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Inspector"):
+            self.call(domain + ".enable", session=session)
+        return session
+
+    def run(self, script, timeout=600, session=""):
         """The value of an expression, which may be a promise."""
         answer = self.call("Runtime.evaluate", {"expression": script, "awaitPromise": True, "returnByValue": True,
-                                                "userGesture": True}, timeout=timeout)
+                                                "userGesture": True}, timeout=timeout, session=session)
         if "exceptionDetails" in answer:
             details = answer["exceptionDetails"]
             raise Failure(details.get("exception", {}).get("description", details["text"]))
@@ -138,11 +153,19 @@ class Browser:
     def wait(self, condition, timeout=300, every=0.05):
         """Asks more seldom the longer it lasts: every question costs the page time."""
         began = time.monotonic()
-        while not self.run(condition):
+        while not self._holds(condition):
             waited = time.monotonic() - began
             if waited > timeout:
                 raise Failure("in vain waited for " + condition)
             time.sleep(max(every, min(0.3, waited / 20)))
+
+    def _holds(self, condition):
+        try:
+            return self.run(condition)
+        except Failure as failure:
+            if "navigated" in str(failure) or "context was destroyed" in str(failure):
+                return False  # a page that is being loaded again has no answer yet
+            raise
 
     def screenshot(self, path):
         data = self.call("Page.captureScreenshot", {"format": "png"})["data"]

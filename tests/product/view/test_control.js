@@ -5,8 +5,8 @@ const assert = require('assert'), fs = require('fs'), path = require('path'), vm
 const sandbox = {attempt: (work) => work};
 vm.createContext(sandbox);
 vm.runInContext(fs.readFileSync(path.join(__dirname, '../../../view/control.js'), 'utf8') +
-                '\nglobalThis.api = {CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, applyEvents, BINDINGS_MAX};', sandbox);
-const {CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, applyEvents, BINDINGS_MAX} = sandbox.api;
+                '\nglobalThis.api = {understand, matchesPattern, CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, applyEvents, BINDINGS_MAX};', sandbox);
+const {understand, matchesPattern, CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, applyEvents, BINDINGS_MAX} = sandbox.api;
 const plain = (value) => JSON.parse(JSON.stringify(value === undefined ? null : value)); // objects of this realm
 const same = (a, b) => assert.deepStrictEqual(plain(a), b);
 
@@ -28,15 +28,38 @@ same(readControl('/cue', [2]).value, 2);
 for (const wrong of [[], [1.5], [true], [null]]) same(readControl('/cue', wrong), null);
 same([[], [1], [0], [true], [false]].map((values) => readControl('/blackout', values).value), [null, true, false, true, false]);
 same([[0.25], [7], [-7]].map((values) => readControl('/projector/1/layer/1/opacity', values).value), [0.25, 1, 0]);
-for (const wrong of [[], ['1'], [NaN], [Infinity], [null], [[0.5]]]) same(readControl('/projector/1/layer/1/opacity', wrong), null);
+for (const wrong of [[], ['loud'], [''], [NaN], [Infinity], [null], [true], [[0.5]]]) same(readControl('/projector/1/layer/1/opacity', wrong), null);
+same(readControl('/projector/1/layer/1/opacity', ['0.5']).value, 0.5);
+
+// Each kind beside whatever arrives: none, true, false, 0, 1, 0.5, texts, and null for values that no control has a meaning for.
+const arrives = [[], [true], [false], [0], [1], [0.5], ['on'], ['0'], ['off'], ['Act 1'], ['2'], [null]], no = '-';
+const row = (address) => arrives.map((values) => { const {why, value} = understand(address, values); return why ? no : value; });
+same(row('/go'), [true, true, null, null, true, true, true, null, null, true, true, no]);
+same(row('/blackout'), ['turn', true, false, false, true, true, true, false, false, no, no, no]);
+same(row('/level'), [no, no, no, 0, 1, 0.5, no, 0, no, no, 1, no]);
+same(row('/cue'), [no, no, no, 0, 1, no, 'on', '0', 'off', 'Act 1', '2', no]);
+same(understand('/gone', []).why, 'there is no such control');
+same(understand('/level', [null]).why, 'it cannot be null');
+
+// Patterns of addresses.
+const matches = (pattern, ...addresses) => addresses.map((address) => matchesPattern(pattern, address));
+same(matches('/projector/*/on', '/projector/1/on', '/projector/12/on', '/projector/1/layer/1/on', '/go'), [true, true, false, false]);
+same(matches('/projector/[1-3]/{on,gain}', '/projector/2/on', '/projector/4/on', '/projector/3/gain', '/projector/3/brightness'), [true, false, true, false]);
+same(matches('/projector/[!1]/o?', '/projector/1/on', '/projector/2/on', '/projector//on'), [false, true, false]);
+same(matches(`/${'{,,,,}'.repeat(19)}x`, '/go'), [false]); // and at once
+same(matches(`/${'*?'.repeat(59)}`, '/projector/1/layer/1/opacity'), [false]);
+for (const broken of ['/projector/[3-1]/on', '/projector/[/on', '/{go', '/(go)', '/g+o', '/[]', '/****************************x']) same(matches(broken, '/go', '/projector/1/on'), [false, false]);
+
+same([['/level', 7], ['/projector/1/layer/2/speed', -9], ['/projector/1/layer/2/size', 0.5]].map(([address, value]) => readControl(address, [value]).value), [1, -2, 0.5]);
+for (const [address, value] of [['/level', 'loud'], ['/projector/1/layer/2/speed', NaN], ['/projector/1/layer/2/size', null]]) same(readControl(address, [value]), null);
 
 // MIDI 1.0, table of channel messages.
-same(readMidi([0x90, 60, 127]), {key: 'note 1 60', share: 1});
-same(readMidi([0x9f, 60, 0]), {key: 'note 16 60', share: 0});
-same(readMidi([0x82, 60, 64]), {key: 'note 3 60', share: 0});
-same(readMidi([0xb0, 7, 127]), {key: 'control 1 7', share: 1});
-same(readMidi([0xc1, 5]), {key: 'program 2 5', share: 1});
-same(readMidi([0xe0, 127, 127]), {key: 'bend 1', share: 1});
+same(readMidi([0x90, 60, 127]), {key: 'note 1 60', share: 1, before: 0});
+same(readMidi([0x9f, 60, 0]), {key: 'note 16 60', share: 0, before: 0});
+same(readMidi([0x82, 60, 64]), {key: 'note 3 60', share: 0, before: 0});
+same(readMidi([0xb0, 7, 127]), {key: 'control 1 7', share: 1, before: 0});
+same(readMidi([0xc1, 5]), {key: 'program 2 5', share: 1, before: 0});
+same(readMidi([0xe0, 127, 127]), {key: 'bend 1', share: 1, before: 0});
 for (const other of [[0xf8], [0xf0, 1, 2], [0xa0, 60, 1], [0x30, 1, 1]]) same(readMidi(other), null);
 
 const fader = (share) => ({key: 'control 1 7', share}), pad = (share) => ({key: 'note 1 36', share});
@@ -45,6 +68,9 @@ same(valuesOfMidi('/blackout', fader(0.2)), [false]);
 same([pad(0.3), pad(0)].map((heard) => valuesOfMidi('/blackout', heard)), [[], null]);
 same([pad(0.3), pad(0)].map((heard) => readControl('/go', valuesOfMidi('/go', heard))), [{path: '/go', numbers: [], value: true}, null]);
 same(valuesOfMidi('/nothing', pad(1)), null);
+// A pedal that goes down and up again is one GO.
+const pressed = [0, 30, 66, 90, 127, 100, 70, 40, 0, 80].map((value) => valuesOfMidi('/go', readMidi([0xb0, 64, value]))[0]);
+same(pressed, [false, false, true, false, false, false, false, false, false, true]);
 
 // From a stage that somebody else wrote.
 same(checkBindings({'note 1 60': '/go', 'bend 2': '/fade', 'note 1 60; x': '/go', 'control 1 7': '/nothing', 'program 1 2': null}), {'note 1 60': '/go', 'bend 2': '/fade'});

@@ -6,7 +6,6 @@ Then the same page from a server that isolates it, with threads.
     test_engine.py PAGE CAPTURE CAPTURE-WITH-EXR-TRUTH FOLDER [PROGRAM]     screenshots and files stay in FOLDER
 
 Exits with 77 and a line where there is no browser."""
-import base64
 import functools
 import glob
 import gzip
@@ -200,8 +199,31 @@ def measured(page, capture):
     return stats
 
 
+def capture_made(page, picture):
+    """The result's figures, of photographs whose form is filled in."""
+    page.screenshot(picture)
+    page.run("document.querySelector('#photographs button').click()")
+    page.wait("!document.getElementById('result').hidden || !document.getElementById('problem').hidden", 900)
+    assert page.run("document.getElementById('problem').hidden"), page.run("document.getElementById('why').textContent")
+    return json.loads(page.run("document.body.dataset.stats"))
+
+
+def check_patterns(page, folder):
+    """Patterns of the size that is asked for, in a window of their own."""
+    page.run("document.getElementById('own').open = true")
+    page.screenshot(os.path.join(folder, "own.png"))
+    page.run("window.open = () => (window.opened = {close() {}}); document.getElementById('projector').value = '320x200'; document.getElementById('draw').click()")
+    page.wait("!!window.opened.location && document.getElementById('work').hidden", 120)
+    assert page.run("window.opened.location.startsWith('blob:') && document.getElementById('panel').value") == "320x200"
+    page.run("document.getElementById('projector').value = '320'; document.getElementById('draw').click()")
+    page.wait("!document.getElementById('problem').hidden", 60)
+    assert page.run("document.getElementById('why').textContent.startsWith('--projector takes width x height')"), page.run("document.getElementById('why').textContent")
+    page.run("document.getElementById('own').open = false")
+
+
 def from_disk(page, program, capture, with_truth, folder):
     page.screenshot(os.path.join(folder, "start.png"))
+    check_patterns(page, folder)
     check_refusals(page, folder)
     stats = measured(page, capture)
     assert page.run("document.body.dataset.threads") == "1"
@@ -222,7 +244,37 @@ def from_disk(page, program, capture, with_truth, folder):
     assert "no EXR or TIFF: depth (" in page.run("document.getElementById('notes').textContent")
     if program:
         check_photographs(page, program, folder)
+        check_codes_alone(page, program, folder)
     return stats
+
+
+def check_codes_alone(page, program, folder):
+    """Photographs under Gray codes and nothing else: no board, no calibration, no patterns beside them; the program gets the same."""
+    rig = os.path.join(folder, "codes")
+    patterns, shots = os.path.join(folder, "drawn"), os.path.join(rig, "shots")
+    for command in (["patterns", "-o", patterns, "--projector", "320x200"],
+                    ["generate", shots, "--photographs", patterns, "--split", "test", "--first", "3", "--views", "8", "--attitudes", "0",
+                     "--resolution", "240", "--sensor", "read=0.003"]):
+        subprocess.run([program, *command], check=True, capture_output=True)
+    for name in os.listdir(shots):
+        if not name.startswith("view-"):
+            path = os.path.join(shots, name)
+            shutil.rmtree(path) if os.path.isdir(path) else os.remove(path)
+    page.run("document.getElementById('again').click()")
+    page.drop(rig)
+    page.wait("!document.getElementById('photographs').hidden || !document.getElementById('problem').hidden", 300)
+    assert page.run("[document.getElementById('calibration').value, document.getElementById('shown').value].join()") == ","
+    assert page.run("document.getElementById('angles').value") == "0,45,90,135,180,225,270,315"
+    page.run("document.getElementById('panel').value = '320x200'")
+    stats = capture_made(page, os.path.join(folder, "codes.png"))
+    print("page, codes alone:", json.dumps(stats))
+    subprocess.run([program, "scan", *(os.path.join(shots, f"view-{45 * i:03d}") for i in range(8)), "--angles", "8x45", "--projector", "320x200", "-w", "128",
+                    "-o", os.path.join(folder, "scanned"), "--to", "import"], check=True, capture_output=True)
+    done = subprocess.run([program, "reconstruct", os.path.join(folder, "scanned", "capture"), "-o", os.path.join(folder, "scanned.ply"), "--polish", "0"],
+                          check=True, capture_output=True, text=True)
+    found = float(re.search(r"([\d.]+) dB on its photographs", done.stdout)[1])
+    print(f"program, codes alone: {found} dB")
+    assert abs(stats["psnr"] - found) < PSNR_MOST, stats
 
 
 def check_photographs(page, program, folder):
@@ -239,11 +291,7 @@ def check_photographs(page, program, folder):
     assert page.run("document.getElementById('images').value") == "rig/shots/view-{view}/*.png"
     assert page.run("document.getElementById('angles').value") == "0,45,90,135,180,225,270,315"
     page.run("for (const name of ['calibration', 'turntable']) document.getElementById(name).value = 'rig/shots/truth.json'")
-    page.screenshot(os.path.join(folder, "photographs.png"))
-    page.run("document.querySelector('#photographs button').click()")
-    page.wait("!document.getElementById('result').hidden || !document.getElementById('problem').hidden", 900)
-    assert page.run("document.getElementById('problem').hidden"), page.run("document.getElementById('why').textContent")
-    stats = json.loads(page.run("document.body.dataset.stats"))
+    stats = capture_made(page, os.path.join(folder, "photographs.png"))
     print("page, photographs:", json.dumps(stats))
     assert stats["psnr"] > 25, stats
 
@@ -261,34 +309,99 @@ def with_page(source, checks):
     return stats
 
 
-def parameters_most(module):
-    """The most parameters of a function type of a WebAssembly module (core specification, 5.3.6 and 5.5.4)."""
-    def number(at):
+class Reader:
+    """Numbers and names of a WebAssembly file (core specification, 5)."""
+
+    def __init__(self, data, at=0):
+        self.data, self.at = data, at
+
+    def number(self):
         value = shift = 0
         while True:
-            value, shift, at = value | (module[at] & 127) << shift, shift + 7, at + 1
-            if module[at - 1] < 128:
-                return value, at
+            byte = self.data[self.at]
+            value, shift, self.at = value | (byte & 127) << shift, shift + 7, self.at + 1
+            if byte < 128:
+                return value
 
-    at = 8
-    while module[at] != 1:  # the section of types
-        size, at = number(at + 1)
-        at += size
-    types, at = number(number(at + 1)[1])
-    most = 0
-    for _ in range(types):
-        for part in ("parameters", "results"):
-            count, at = number(at + (part == "parameters"))  # behind 0x60
-            most = max(most, count) if part == "parameters" else most
-            at += count
+    def name(self):
+        size = self.number()
+        self.at += size
+        return self.data[self.at - size:self.at].decode(errors="replace")
+
+    def skip(self, numbers):
+        for _ in range(numbers):
+            self.number()
+
+
+def sections(data):
+    """{number, or name of a custom one: its Reader}"""
+    found, reader = {}, Reader(data, 8)
+    while reader.at < len(data):
+        kind, size = reader.number(), reader.number()
+        part = Reader(data, reader.at)
+        found[part.name() if kind == 0 else kind] = part
+        reader.at += size
+    return found
+
+
+def functions(found):
+    """How many parameters each function of an object file has, those that it imports first."""
+    types, imports, own = found[1], found.get(2), found[3]
+    parameters, numbers = [], []
+    for _ in range(types.number()):
+        types.at += 1  # 0x60
+        parameters.append(types.number())
+        types.at += parameters[-1]
+        results = types.number()
+        types.at += results
+    for _ in range(imports.number() if imports else 0):
+        imports.name(), imports.name()
+        kind = imports.number()
+        if kind == 0:
+            numbers.append(imports.number())
+        elif kind in (1, 2):  # a table (with its type) or a memory, with limits
+            imports.at += kind == 1
+            imports.skip(1 + (imports.number() & 1))
+        else:
+            imports.skip(2)
+    return [parameters[number] for number in numbers + [own.number() for _ in range(own.number())]]
+
+
+def regions(data):
+    """The parameters of the functions that are an object's parallel regions (conventions for linking: the table of symbols)."""
+    found = sections(data)
+    if 3 not in found or "linking" not in found:
+        return []
+    counts, reader = functions(found), found["linking"]
+    reader.skip(1)
+    while reader.number() != 8:
+        size = reader.number()
+        reader.at += size
+    reader.skip(1)
+    most = []
+    for _ in range(reader.number()):
+        kind, flags = reader.number(), reader.number()
+        if kind == 1:  # data
+            reader.name()
+            reader.skip(0 if flags & 0x10 else 3)
+            continue
+        index = reader.number()
+        name = reader.name() if kind != 3 and (not flags & 0x10 or flags & 0x40) else ""
+        if kind == 0 and "omp_outlined" in name:
+            most.append(counts[index])
     return most
 
 
 def check_regions(source):
     """Every region of the engine fits into what wasm/openmp.c hands on; a larger one would end the page."""
-    with open(source, encoding="utf-8") as file:
-        module = re.search(r'id="threads\.wasm"[^>]*>([^<]*)<', file.read())
-    assert module and parameters_most(base64.b64decode(module[1])) <= PARAMETERS_MOST
+    objects = glob.glob(os.path.join(os.path.dirname(source), "threads", "**", "*.o"), recursive=True)
+    found = []
+    for name in objects:
+        with open(name, "rb") as file:
+            data = file.read()
+        found += regions(data) if data.startswith(b"\0asm") else []
+    print(f"{len(found)} regions of at most {max(found, default=0)} parameters")
+    assert not objects or len(found) > 50 and max(found) <= PARAMETERS_MOST
 
 
 def isolated(source, capture):

@@ -36,6 +36,15 @@ def faults(tsc, names):
     return [f"{Path(where.split('(')[0]).name}({where.split('(')[1]}: {text}" for where, code, text in found if code not in UNTYPED]
 
 
+def hidden(names):
+    """Functions that two scripts declare, of which the later one hides the other: the compiler allows it."""
+    declared = {}
+    for name in names:
+        for function in re.findall(r"^(?:async )?function (\w+)", (VIEW / name).read_text(encoding="utf-8"), re.MULTILINE):
+            declared.setdefault(function, []).append(name)
+    return [f"{function}: declared by {' and '.join(places)}" for function, places in declared.items() if len(places) > 1]
+
+
 def main():
     tsc = sys.argv[1] if len(sys.argv) > 1 else shutil.which("tsc")
     if not tsc:
@@ -44,7 +53,7 @@ def main():
     failed = False
     for page in PAGES:
         names = scripts(page)
-        found = faults(tsc, names)
+        found = faults(tsc, names) + hidden(names)
         print(f"{page}: {len(names)} scripts, {len(found)} faults", *found, sep="\n  ")
         failed |= bool(found) or not names
     return int(failed)

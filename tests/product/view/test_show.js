@@ -9,11 +9,11 @@ Object.assign(globalThis, {
   setTimeout: (work, ms) => waiting.push({work, ms}), clearTimeout: (number) => { if (number) waiting[number - 1].work = null; },
   document: {createElement: (tag) => ({tag, dataset: {}, children: [], append(child) { this.children.push(child); }})},
 });
-for (const name of ['math', 'place', 'layers', 'contents', 'control', 'history', 'keep', 'show', 'findings'])
+for (const name of ['math', 'place', 'surfaces', 'layers', 'contents', 'effects', 'control', 'history', 'keep', 'show', 'findings'])
   runInThisContext(fs.readFileSync(path.join(__dirname, `../../../view/${name}.js`), 'utf8'), {filename: `${name}.js`});
 const {Show, checkCue, checkState, checkLayers, checkWindow, sizeInHead, sizeOfFile, checkSize, Message, SolidContent, Layer, describeLayers, findingItem, isPassed, newPlace, PROJECTORS_MAX, LAYERS_MAX,
-  CUES_MAX, FADE_MAX, FOLLOW_MAX, MASK_MAX, applyState, reachingOut, faultSaid} = runInThisContext('({Show, checkCue, checkState, checkLayers, checkWindow, sizeInHead, sizeOfFile, checkSize, Message, SolidContent, Layer, describeLayers, findingItem, '
-  + 'isPassed, newPlace, PROJECTORS_MAX, LAYERS_MAX, CUES_MAX, FADE_MAX, FOLLOW_MAX, MASK_MAX, applyState, reachingOut, faultSaid})');
+  CUES_MAX, FADE_MAX, FOLLOW_MAX, MASK_MAX, applyState, reachingOut, faultSaid, checkSurfaces, contentOf, describeContent, SURFACES_MAX, PARTS_MAX, POINTS_MAX} = runInThisContext('({Show, checkCue, checkState, checkLayers, checkWindow, sizeInHead, sizeOfFile, checkSize, Message, SolidContent, Layer, describeLayers, findingItem, '
+  + 'isPassed, newPlace, PROJECTORS_MAX, LAYERS_MAX, CUES_MAX, FADE_MAX, FOLLOW_MAX, MASK_MAX, applyState, reachingOut, faultSaid, checkSurfaces, contentOf, describeContent, SURFACES_MAX, PARTS_MAX, POINTS_MAX})');
 const refuses = (work, field) => assert.throws(work, (error) => error instanceof Message && error.message.includes(field), field);
 
 // --- The sizes that picture files give. ---
@@ -34,7 +34,7 @@ checkSize('It', [16384, 6103]);
 for (const huge of [[16385, 1], [1, 16385], [10001, 10000]]) refuses(() => checkSize('It', huge), 'more than a projector shows');
 
 // --- Cues. ---
-const place = newPlace(), layer = (fit = 'cover') => ({source: {kind: 'solid', colour: '#ff0000'}, fit, place, film: {volume: 1, from: 0, to: 0}});
+const place = newPlace(), layer = (fit = 'cover') => ({source: {kind: 'solid', colour: '#ff0000'}, fit, place, film: {volume: 1, from: 0, to: 0}, on: null});
 const cue = (changes) => checkCue({name: 'One', fade: 2, follow: null, shown: [{layers: [layer()], correction: 'paint', watcher: 'v'}], ...changes});
 assert.deepStrictEqual(JSON.parse(JSON.stringify(cue())), {name: 'One', fade: 2, follow: null, pose: null, shown: [{layers: [layer()], correction: 'paint', watcher: 'v'}]});
 assert.strictEqual(cue({name: ''}).name, 'Cue');
@@ -48,11 +48,23 @@ for (const [changes, field] of [[{fade: -1}, 'cues: fade'], [{fade: FADE_MAX + 1
 const layered = (changes) => checkLayers({layers: [{...layer(), ...changes}]});
 for (const [changes, field] of [[{place: {...place, turn: 'round'}}, 'layers: turn'], [{place: {...place, opacity: 2}}, 'layers: opacity'], [{place: {...place, width: 0}}, 'layers: width'],
   [{place: {...place, pull: [[0, 0]]}}, 'four corners'], [{place: {...place, pull: [[0.9, 0.9], [0, 0], [0, 0], [0, 0]]}}, 'folds'], [{place: {...place, crop: [0, 0, 2, 0]}}, 'layers: crop'],
-  [{place: {...place, mask: new Array(MASK_MAX + 1).fill([0, 0])}}, 'layers: mask'], [{film: {volume: 7}}, 'layers: volume']]) refuses(() => layered(changes), field);
+  [{place: {...place, mask: new Array(MASK_MAX + 1).fill([0, 0])}}, 'layers: mask'], [{film: {volume: 7}}, 'layers: volume'], [{on: 'roof'}, 'layers: on'], [{on: -1}, 'layers: on'], [{on: {}}, 'layers: on']]) refuses(() => layered(changes), field);
 refuses(() => checkLayers({layers: new Array(LAYERS_MAX + 1).fill(layer())}), 'layers');
 // Points on the box's edge go outwards, where a soft edge would show that is not cut.
 assert.deepStrictEqual(reachingOut([[0.25, 0], [1, 0], [1, 1], [0.25, 1]], 0.5, 2), [[0.25, -2], [1.5, -2], [1.5, 3], [0.25, 3]]);
+assert.deepStrictEqual([layered({on: undefined})[0].on, layered({on: 3})[0].on], [null, 3]); // stages once had none
 refuses(() => checkWindow({left: 0, top: 0, width: 0, height: 9}), 'window: width');
+
+// --- Surfaces of a stage. ---
+const part = {points: [[1, 2, 3]], normal: [0, 0, 1], albedo: [0.5, 0.5, 0.5], tolerance: 0.3, take: false}, surface = (changes = {}) => ({id: 1, name: 'Roof', parts: [part], ...changes});
+const withPart = (changes) => [surface({parts: [{...part, ...changes}]})], plainly = (value) => JSON.parse(JSON.stringify(value));
+assert.deepStrictEqual(plainly(checkSurfaces([surface(), surface({id: 2, name: 'W'.repeat(99), parts: [{...part, take: true, more: 1}]})])),
+  [surface(), surface({id: 2, name: 'W'.repeat(40), parts: [{...part, take: true}]})]);
+for (const [surfaces, field] of [[{}, 'surfaces'], [Array.from({length: SURFACES_MAX + 1}, (_, i) => surface({id: i + 1})), 'surfaces'], [[null], 'surfaces: id'], [[surface({id: 'x'})], 'surfaces: id'],
+  [[surface(), surface()], 'id is there twice'], [[surface({parts: []})], 'parts or points are none'], [[surface({parts: new Array(PARTS_MAX + 1).fill(part)})], 'surfaces: parts'], [[surface({parts: [null]})], 'surfaces: points'],
+  [withPart({points: []}), 'parts or points are none'], [withPart({points: new Array(POINTS_MAX + 1).fill([0, 0, 0])}), 'surfaces: points'], [withPart({points: [[1, 2]]}), 'surfaces: points has not three'],
+  [withPart({points: [[1, 2, NaN]]}), 'surfaces: points'], [withPart({normal: [0, 0, 2]}), 'surfaces: normal'], [withPart({albedo: [0, 0, '0']}), 'surfaces: albedo'], [withPart({tolerance: 2}), 'surfaces: tolerance']])
+  refuses(() => checkSurfaces(surfaces), field);
 
 // --- A show: an app of two projectors whose layers come when the test says so. ---
 const arriving = [], events = [];
@@ -61,7 +73,7 @@ runInThisContext('layersOf = (app, described) => new Promise((done) => app.arriv
 const projector = () => ({correction: 'none', watcher: 'now', layers: [new Layer(new SolidContent('#000000'))], content: new SolidContent('#000000')});
 const app = {
   arriving, scene: {views: {0: {id: 'first'}, v: {id: 'v'}}}, projectors: [projector(), projector()], library: {entries: []}, changed: (what) => events.push(what),
-  jump: (view) => events.push(`jump ${view.id}`), seat: () => ({pose: app.pose}), invalidate: () => events.push('drawn'), release: (sources) => events.push(`released ${sources.length}`),
+  windows: {open: [{}]}, relief: {surfaces: []}, jump: (view) => events.push(`jump ${view.id}`), seat: () => ({pose: app.pose}), invalidate: () => events.push('drawn'), release: (sources) => events.push(`released ${sources.length}`),
   setLayers: (layers, to, seconds, corrected) => events.push(`${app.projectors.indexOf(to)}: ${layers.map((l) => l.source.colour)} in ${seconds} s${corrected ? ', to be corrected again' : ''}`),
 };
 app.projector = app.projectors[0];
@@ -118,11 +130,26 @@ process.exitCode = 1; // until all of it has run: a promise that nothing resolve
   show.cues = [one('red'), one('green', {pose: 0})], show.at = -1, said.length = 0, app.pose = 'aside';
   show.arm(true);
   assert.ok(said.length === 1 && said[0].startsWith('Armed'));
-  app.pose = 'elsewhere';
+  app.pose = 'elsewhere', said.length = 0;
   await fade(show.go());
   assert.deepStrictEqual(show.seat, {pose: 'aside'});
   await fade(show.go());
-  assert.deepStrictEqual(show.seat, {pose: 'elsewhere'});
+  assert.deepStrictEqual([show.seat, said], [{pose: 'elsewhere'}, []]);
+
+  // Without a projector window it does the same and says so; cues that follow are not said again.
+  app.windows.open = [];
+  show.arm(true);
+  assert.ok(show.armed && said.pop().endsWith(' No projector window is open.'));
+  show.cues[0].follow = 1;
+  assert.deepStrictEqual([await fade(show.go(0)), said.splice(0)], [['drawn', '0: red in 2 s'], ['Cue 1 is shown here alone: no projector window is open.']]);
+  await fade(waiting.at(-1).work());
+  assert.deepStrictEqual([show.at, said], [1, []]);
+  show.cues[0].follow = null, app.windows.open = [{}];
+
+  // Effects are made from their description again, whatever it says.
+  for (const [told, made] of [[{effect: 'scan', colour: '#00ff00', speed: 1, size: 0.5, phase: 0.25}], [{effect: 'lamp', colour: 'red', speed: 1e9, size: '1', phase: -1}, {effect: 'lamp', colour: '#ffffff', speed: 2, size: 0.3, phase: 0}]])
+    assert.deepStrictEqual(plainly(describeContent(app, await contentOf(app, told))), made || told);
+  for (const effect of ['none', 'constructor', '__proto__', null, 7]) assert.deepStrictEqual(plainly(await contentOf({...app, scene: {patterns: []}, library: {find: () => null}}, {effect}).then(({name}) => name)), 'White');
 
   // A stage that is loaded brings its own; undo leaves the view, and the seat with it.
   const worn = {projectors: [], selected: 0, exposure: 0, ambient: true, black: 0, cues: [], midi: {}, view: 0, pose: 'stage', target: [0, 0, 0]};

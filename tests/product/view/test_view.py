@@ -138,6 +138,19 @@ class Page(browser.Browser):
     def click(self, selector):
         self.run(f"document.querySelector({selector!r}).click()")
 
+    def far(self, script, number=None):
+        """The value of an expression in a projector's window, which is a page of its own; the selected projector's."""
+        mark = f"#projector-{self.run('viewer.projector.number') if number is None else number}-"
+        end = time.monotonic() + 20
+        while not self.pages(mark):
+            assert time.monotonic() < end, f"no window {mark}"
+            time.sleep(0.05)
+        target = self.pages(mark)[-1]
+        self.sessions = getattr(self, "sessions", {})
+        if target not in self.sessions:
+            self.sessions[target] = self.attach(target)
+        return self.run(script, session=self.sessions[target])
+
     def drop(self, name, kind, data):
         self.run(f"""(() => {{ document.getElementById('toast').classList.remove('shown');
             const bytes = Uint8Array.from(atob({base64.b64encode(data).decode()!r}), (c) => c.charCodeAt(0));
@@ -212,6 +225,23 @@ def check_maps(check, page, program, ply, data, folder):
     check("G-buffers as render --maps draws them", min(scores) >= LEAST, " ".join(f"{s:.1f} dB" for s in scores))
 
 
+def check_closed_form(check, page, program, ply, data, folder, view, target, how, least):
+    file = os.path.join(folder, how + ".png")
+    subprocess.run([program, "compensate", ply, "--capture", data, "--view", view, "--target", target, "--steps", "0",
+                    "--gaussians-only", "-o", file, *(["--paint"] if how == "paint" else [])], check=True, stdout=subprocess.DEVNULL)
+    page.run("viewer.updatePatterns()")
+    made, (width, _, wanted) = base64.b64decode(page.run(SENT)), read_png(file)
+    lit = page.run("(() => { const part = viewer.graphics.readFloats(viewer.projector.maps.fine.maps, 0), lit = []; "
+                   "for (let i = 3; i < part.length; i += 4) if (part[i] === 1) lit.push(i >> 2); return lit; })()")
+    both = [i for i in lit if any(wanted[3 * i:3 * i + 3])]
+    blocks = {}
+    for i in both:
+        blocks.setdefault((i // width // 8, i % width // 8), []).append(i)
+    mean = lambda data, channels: [sum(data[channels * i + k] for i in block) / 64 for block in blocks.values() if len(block) == 64 for k in range(3)]
+    score = psnr(mean(made, 4), mean(wanted, 3))
+    check(f"correction, {how}, as compensate's closed form", score >= least and len(both) > 0.8 * len(lit), f"{score:.2f} dB, {len(both)} of {len(lit)} pixels")
+
+
 def check_compensation(check, page, program, ply, data, folder):
     """The closed form, painted and in colours, against `ffprocams compensate --steps 0`, which has it at the photographs'
     pixels: means over 8 x 8 pixels where both have levels, of a target without edges."""
@@ -220,27 +250,14 @@ def check_compensation(check, page, program, ply, data, folder):
         file.write(png(128, 128, lambda x, y: (40 + x, 60 + y, 200 - (x + y) // 2)))
     page.run("viewer.jump(viewer.scene.views[2], true)")
     view = page.run("viewer.at.id")
-    option = page.run(f"[...document.getElementById('watcher').options].find((o) => o.textContent === shortName({view!r})).value")
+    option = page.run(f"[...document.getElementById('watcher').options].find((o) => o.textContent === viewName(viewer.scene.views.find((v) => v.id === {view!r}))).value")
     page.drop("sky.png", "image/png", open(target, "rb").read())
     page.wait("viewer.projector.content.name === 'sky.png'")
     page.hold(True)
-    for how, options in (("paint", ["--paint"]), ("colours", [])):
-        file = os.path.join(folder, how + ".png")
-        subprocess.run([program, "compensate", ply, "--capture", data, "--view", view, "--target", target, "--steps", "0",
-                        "--gaussians-only", "-o", file, *options], check=True, stdout=subprocess.DEVNULL)
+    for how, least in (("paint", 62), ("colours", 26)):
         page.set("correction", how)
         page.set("watcher", option)
-        page.run("viewer.updatePatterns()")
-        made, (width, _, wanted) = base64.b64decode(page.run(SENT)), read_png(file)
-        lit = page.run("(() => { const part = viewer.graphics.readFloats(viewer.projector.maps.fine.maps, 0), lit = []; "
-                       "for (let i = 3; i < part.length; i += 4) if (part[i] === 1) lit.push(i >> 2); return lit; })()")
-        both = [i for i in lit if any(wanted[3 * i:3 * i + 3])]
-        blocks = {}
-        for i in both:
-            blocks.setdefault((i // width // 8, i % width // 8), []).append(i)
-        mean = lambda data, channels: [sum(data[channels * i + k] for i in block) / 64 for block in blocks.values() if len(block) == 64 for k in range(3)]
-        score = psnr(mean(made, 4), mean(wanted, 3))
-        check(f"correction, {how}, as compensate's closed form", score >= (62 if how == "paint" else 26) and len(both) > 0.8 * len(lit), f"{score:.2f} dB, {len(both)} of {len(lit)} pixels")
+        check_closed_form(check, page, program, ply, data, folder, view, target, how, least)
     check_sharpness(check, page, program, ply, data, folder, view)
     page.hold(False)
     check_holes(check, page)
@@ -350,13 +367,15 @@ def check_same_ids(check, page, path, folder):
     first = page.run("viewer.scene.views.findIndex((v) => v.new)")
     page.set("correction", "paint")
     wrong = []
+
+    def watch(entry):  # in one go: the page shows its own choice again when anything changes
+        page.run(f"(() => {{ const w = document.getElementById('watcher'); w.selectedIndex = {entry}; w.dispatchEvent(new Event('input')); }})()")
+
     for index in range(page.run("viewer.scene.views.length")):
-        page.run(f"document.getElementById('watcher').selectedIndex = {index + 1}")
-        page.set("watcher", page.run("document.getElementById('watcher').value"))
+        watch(index + 1)
         if not page.run(f"viewer.watcherOf(viewer.projector) === viewer.scene.views[{index}].camera"):
             wrong.append(index)
-    page.run("document.getElementById('watcher').selectedIndex = 0")
-    page.set("watcher", page.run("document.getElementById('watcher').value"))
+    watch(0)
     if page.run("viewer.scene.views.some((v) => viewer.watcherOf(viewer.projector) === v.camera)"):
         wrong.append("where I look from")
     check("a correction is for the camera that was chosen", not wrong, f"not for views {wrong}" if wrong else "")
@@ -575,10 +594,13 @@ def check_kept(check, page, path, folder):
     page.click("#export")
     page.wait(f"(viewer.exports || 0) > {exports}")
     check("the projector's picture is exported", True)
-    page.run("viewer.store.keep()")
+    page.run("viewer.show.arm(true), viewer.reloads = true, viewer.store.keep()")
     page.start(path, fresh=False)
     page.wait("viewer.projector.content.name === 'kept.png'")
     check("the browser keeps the stage", change(painted, page.pixels()) < 0.1 and page.run("viewer.show.cues.length") == 1)
+    page.wait("viewer.windows.settled && document.getElementById('toast').textContent.startsWith('As you left it: armed')")
+    told = page.run("document.getElementById('toast').textContent")
+    check("an armed page says whether its windows are back", told == "As you left it: armed. No projector window is open.", told)
     page.run("viewer.store.forget()")
 
 
@@ -719,8 +741,8 @@ def check_place(check, page):
     page.wait("viewer.show.at === 1")
     check("GO brings layers, places and correction of the next cue", first == [2, 0, "paint", True] and abs(shown[0] - 128) < 3 and mean(0, 0, 1, 1) == [255, 0, 0], f"{first} {shown} {mean(0, 0, 1, 1)}")
     page.run("viewer.window.open()")
-    page.wait("viewer.window.isOpen")
-    page.run("viewer.show.cues[0].follow = 0.1, viewer.show.cues[1].follow = null, viewer.window.window.document.dispatchEvent(new viewer.window.window.KeyboardEvent('keydown', {key: ' '}))")
+    page.run("viewer.show.cues[0].follow = 0.1, viewer.show.cues[1].follow = null, true")
+    page.far("dispatchEvent(new KeyboardEvent('keydown', {key: ' '}))")
     page.wait("viewer.show.at === 0")
     page.wait("viewer.show.at === 1")
     check("GO in the projector window, and a cue that follows", not page.run("viewer.show.playing"))
@@ -739,6 +761,167 @@ def check_place(check, page):
     check("broken layers are refused by name", ["pull" in refused[0], "turn" in refused[1], "fit" in refused[2]] == [True] * 3, f"{refused}")
     page.run("viewer.show.arm(false); viewer.show.cues = []; viewer.changed('cues'); setMode(viewer, 'camera'); viewer.setLayers([new Layer(new TestContent('White'))]); true")
     page.set("correction", "none")
+
+
+# Of a projector's own pixels, beside what they lie on: [share of those of `inside` that are lit, and of those of `outside`].
+LIT_ON = """(inside, outside) => { viewer.projector.dirty = true; viewer.updatePatterns();
+    const f = viewer.choosing.field, data = bytesOf(viewer.projector.canvas), counts = [0, 0, 0, 0], at = (of, i) => [of[4 * i], of[4 * i + 1], of[4 * i + 2]];
+    for (let i = 0; i < f.width * f.height; i++) {
+        const pixel = {lit: Math.max(data[4 * i], data[4 * i + 1], data[4 * i + 2]) / 255, solid: isSolid(f, i), i, place: at(f.place, i), normal: at(f.normal, i), albedo: at(f.albedo, i)};
+        [inside, outside].forEach((is, k) => { if (is(pixel)) counts[2 * k] += pixel.lit > 0.5, counts[2 * k + 1]++; });
+    }
+    return [counts[0] / counts[1], counts[2] / counts[3]].map((x) => Math.round(1000 * x) / 1000); }"""
+
+# Of each effect at a size of a half: what its formula says of a pixel {place, normal}, in a `round` of which a share is over.
+EFFECT_SAYS = """({
+    scan: (p, round) => { const [low, high] = viewer.relief.heights, h = (dot3(p.place, viewer.up) - low) / (high - low), w = 0.1275; return Math.abs(h - (round * (1 + 2 * w) - w)) / w < 0.5; },
+    sweep: (p, round, eye, [near, far]) => { const behind = round * 1.415 - (length3(sub3(p.place, eye)) - near) / (far - near); return behind > 0.005 && behind < 0.2075; },
+    pulse: (p, round) => { const soft = 0.415, reach = round * (1 + soft); return length3(p.place) < reach - soft / 2; },
+    lamp: (p, round) => { const a = 2 * Math.PI * round, e = 30 * Math.PI / 180, {up} = viewer, right = normalise3(cross3(up, Math.abs(up[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0])), ahead = cross3(up, right);
+        const at = scale3(add3(scale3(add3(scale3(right, Math.cos(a)), scale3(ahead, Math.sin(a))), Math.cos(e)), scale3(up, Math.sin(e))), 2.5);
+        return dot3(p.normal, normalise3(sub3(at, p.place))) > 0.5; },
+})"""
+
+
+def check_fitting(check, page):
+    """A text or a picture that is first put on a surface's layer lies where *Fit* would put it; the layer's row names the surface."""
+    page.run("viewer.choosing.select(1), [...document.querySelectorAll('#surfaces button')].find((b) => b.textContent === '+ layer').click(); true")
+    place, whole = "JSON.stringify(viewer.projector.layer.place)", page.run("JSON.stringify(newPlace())")
+    seen = [page.run(place) == whole]  # a colour fills the surface
+    page.set("text", "Tonight")
+    for name in ("text", "picture"):
+        if name == "picture":
+            page.run("viewer.projector.at = 2, viewer.setContent(new SolidContent('#00ff00')); true")
+            seen.append(page.run(place) == whole)
+            page.drop("wide.png", "image/png", png(64, 16, lambda x, y: (0, 255, 255)))
+            page.wait("viewer.projector.content.name === 'wide.png'")
+        first = page.run(place)
+        page.click("#fit-object")
+        seen.append(first == page.run(place) != whole)
+    rows = "[...document.querySelectorAll('#layers .name')].map((row) => row.textContent)"
+    named = page.run(rows)
+    page.run("viewer.choosing.change({...viewer.relief.find(1), name: 'Roof'}); true")
+    named.append(page.run(rows)[0])
+    page.set("surface-on", "")
+    page.run("document.getElementById('surface-on').dispatchEvent(new Event('change')); viewer.setContent(new SolidContent('#00ff00')); true")
+    page.drop("tall.png", "image/png", png(16, 64, lambda x, y: (0, 255, 255)))
+    page.wait("viewer.projector.content.name === 'tall.png'")
+    seen.append(page.run("JSON.stringify(viewer.projector.layer.place) === JSON.stringify(placeInPart(viewer.projector.layer.frame(viewer.projector.device.width, viewer.projector.device.height), partOf(viewer.scene.splats, viewer.projector.device)))"))
+    page.run("viewer.placed({...viewer.projector.layer.place, x: 0.1}, false); true")
+    page.drop("other.png", "image/png", png(16, 16, lambda x, y: (255, 0, 255)))
+    page.wait("viewer.projector.content.name === 'other.png'")
+    seen.append(page.run("viewer.projector.layer.place.x === 0.1"))
+    named.append(page.run(rows)[0])
+    check("what is put on a surface's layer is fitted to it, until a hand places it", all(seen) and len(seen) == 6, f"{seen}")
+    check("a layer's row names its surface", named == ["wide.png on Surface 1", "Colour on Surface 1", "Colour", "wide.png on Roof", "other.png"], f"{named}")
+    page.run("viewer.choosing.change({...viewer.relief.find(1), name: 'Surface 1'}), editLayers(viewer, (layers) => layers.splice(2, 1)); true")
+
+
+def check_surfaces(check, page, folder):
+    """A click on the object chooses a surface, to which a layer is confined; effects light what their formulas say."""
+    page.resize(1000, 700)
+    page.run("viewer.jump(viewer.scene.views[0], true); viewer.setContent(new TestContent('White')); document.body.classList.remove('with-panel'); idle()")
+    page.hold(True)
+    page.key("r", "KeyR")
+    spots = [[0.3, 0.55], [0.27, 0.73]] # of the projector's picture, in two cells of the object's colours
+    points = page.run(f"(window.spots = {spots}.map((at) => viewer.choosing.pointInPicture(at)))")
+    page.run("viewer.draw(QUALITIES[0]); true")
+    at = [page.run(f"project(viewer.screenCamera(), spots[{k}]).slice(0, 2)") for k in (0, 1)]
+
+    def press(k, **more):
+        page.mouse("mouseMoved", *at[k], "none", 0, **more)
+        hovered = page.run("viewer.choosing.hovered && countOf(viewer.choosing.hovered.inside)")
+        page.mouse("mousePressed", *at[k], **more)
+        page.mouse("mouseReleased", *at[k], "left", 0, **more)
+        page.run("new Promise((done) => setTimeout(done))")
+        return hovered
+
+    hovered = press(0)
+    count = "(viewer.relief.surfaces.length ? countOf(viewer.relief.region(viewer.choosing.surface, viewer.choosing.device).inside) : 0)"
+    first = page.run(count)
+    check("a click chooses a surface, which was shown before it", hovered == first and 2000 < first < 40000 and len(points) == 2, f"{hovered} and {first} pixels")
+    page.screenshot(os.path.join(folder, "surface.png"))
+    page.run("viewer.setContent(new SolidContent('#000000')), viewer.projector.layers.push(new Layer(new SolidContent('#ff0000'), {on: 1})), viewer.changed('content')")
+    # the cell is what has its colour around the point, and nothing that has another
+    cell = f"""(() => {{ const f = viewer.choosing.field, c = scale3(sub3(spots[0], f.centre), 1 / f.radius), i = pixelOf(f, spots[0]), a = [0, 1, 2].map((k) => f.albedo[4 * i + k]);
+        const away = (p) => length3(sub3(p.place, c)), tone = (p) => length3(sub3(p.albedo, a));
+        return ({LIT_ON})((p) => p.solid && away(p) < 0.12 && tone(p) < 0.08, (p) => !p.solid || tone(p) > 0.3 || away(p) > 0.7); }})()"""
+    lit = page.run(cell)
+    edge = page.run("(() => { const d = bytesOf(viewer.projector.canvas); let soft = 0, full = 0; for (let i = 0; i < d.length; i += 4) soft += d[i] > 20 && d[i] < 235, full += d[i] >= 235; return [soft, full]; })()")
+    check("a layer on it is lit inside, dark outside, and has a soft edge", lit[0] > 0.99 and lit[1] < 0.002 and 100 < edge[0] < 0.3 * edge[1], f"{lit}, {edge} pixels")
+    press(1, modifiers=8)
+    both = page.run(count)
+    page.run("window.twice = stateOf(viewer).surfaces; true")
+    press(1, modifiers=1)
+    again = page.run(count)
+    page.run("viewer.history.note()")
+    page.key("z", "KeyZ", modifiers=2)
+    page.wait("!viewer.history.busy")
+    check("Shift adds a region, Alt takes it away, undo brings it back", both > 1.15 * first and abs(again - first) < 0.02 * first and page.run("viewer.relief.surfaces[0].parts.length") == 2,
+          f"{first}, {both}, {again} pixels")
+    moved = page.run("""(() => { const {projector: p} = viewer, {device} = p, look = () => { p.dirty = true; viewer.updatePatterns(); const f = viewer.choosing.field, d = bytesOf(p.canvas);
+            return spots.map((point) => { const i = pixelOf(f, point); return i < 0 ? -1 : d[4 * i]; }).concat(d.reduce((sum, x, i) => sum + (i % 4 === 0 && x > 127), 0)); };
+        p.device = {...device, pose: orbit(device.pose, viewer.scene.centre, viewer.up, 0.4, 0.1)};
+        const after = look();
+        p.device = device; return [look(), after]; })()""")
+    check("it is found again where the projector stands elsewhere", moved[0][:2] == moved[1][:2] == [255, 255] and 0.5 < moved[1][2] / moved[0][2] < 2, f"{moved}")
+    check_fitting(check, page)
+    box = page.run("(() => { viewer.choosing.select(1); document.getElementById('fit-object').click(); const {x, y, width} = viewer.projector.layer.place; return [viewer.projector.at, x, y, width]; })()")
+    page.run("viewer.projector.at = 1; document.getElementById('fit-object').click(); true")
+    placed = page.run("(({x, y, width}) => [x, y, width])(viewer.projector.layer.place)")
+    check("Fit takes the surface's box", abs(0.5 + placed[0] - 0.29) < 0.12 and abs(0.5 + placed[1] - 0.63) < 0.12 and placed[2] < 0.6, f"{placed}, all: {box}")
+    seen = page.run("""(() => { const p = viewer.projector, {device} = p; viewer.projector.layer.place = newPlace(), p.device = {...device, pose: orbit(device.pose, viewer.scene.centre, viewer.up, 0.35, 0)};
+        Object.assign(p, {correction: 'paint', watcher: 0, dirty: true}), viewer.ambient = false;
+        const view = viewer.scene.views[0].camera, data = viewer.picture(400, 400, view), camera = fitDevice(view, 400, 400), far = viewer.choosing.pointInPicture([0.5, 0.51]);
+        const out = [...spots, far].map((point) => { const [x, y] = project(camera, point); return data[4 * (Math.floor(y) * 400 + Math.floor(x))]; });
+        Object.assign(p, {correction: 'none', device, dirty: true}), viewer.ambient = true; return out; })()""")
+    check("corrected, it lies there for the audience", min(seen[:2]) > 40 and seen[2] < 8, f"{seen}")
+    kept = page.run("""(async () => { const text = await stageText(viewer), state = await checkState(viewer, JSON.parse(text)); viewer.choosing.remove(1); const gone = [viewer.relief.surfaces.length, viewer.projector.layer.on];
+        await applyState(viewer, state, false); return [gone, JSON.stringify(viewer.relief.surfaces) === JSON.stringify(twice), viewer.projector.layers[1].on]; })()""")
+    check("a stage brings surfaces back", kept == [[0, None], True, 1], f"{kept}")
+    page.run("viewer.choosing.remove(1); viewer.projector.at = 1; setMode(viewer, 'camera'); editLayers(viewer, (layers) => layers.splice(0, 1)); true")
+    for effect in page.run("Object.keys(EFFECTS)"):
+        told = page.run(f"""(() => {{ const relief = viewer.relief, says = {EFFECT_SAYS}, name = {effect!r}, rounds = [0.45, 0.3], pulse = name === 'pulse';
+            const device = viewer.projector.device, eye = scale3(sub3(positionOf(device.pose), viewer.scene.centre), 1 / viewer.scene.radius), f = viewer.choosing.field, all = [];
+            for (let i = 0; i < f.width * f.height; i++) if (isSolid(f, i)) all.push(length3(sub3(placeAt(f, i), eye)));
+            all.sort((a, b) => a - b);
+            const range = [0.002, 0.998].map((share) => all[Math.floor(share * all.length)]), picture = () => {{ viewer.projector.dirty = true; viewer.updatePatterns(); return bytesOf(viewer.projector.canvas).slice(); }};
+            viewer.setContent(new EffectContent(name, '#ffffff', {{speed: pulse ? 0 : 0.5, size: name === 'creases' ? 0.2 : 0.5}}));
+            const pictures = [0, 0, 1].map((k) => {{ relief.clock = () => 2 * (7 + rounds[k]), relief.sound.given = rounds[k]; return picture(); }});
+            const differs = (a, b) => a.reduce((sum, x, i) => sum + Math.abs(x - b[i]), 0) / a.length, shares = rounds.map((round, k) => {{
+                relief.clock = () => 2 * (7 + round), relief.sound.given = round;
+                return says[name] ? ({LIT_ON})((p) => p.solid && says[name](p, round, eye, range), (p) => !says[name](p, round, eye, range)) : ({LIT_ON})((p) => p.solid, (p) => !p.solid); }});
+            delete relief.clock;
+            return [shares, differs(pictures[0], pictures[1]), differs(pictures[0], pictures[2])]; }})()""")
+        (shares, still, moves) = told
+        good = all(inner > 0.97 and outer < 0.02 for inner, outer in shares) if effect not in ("creases", "sparkle") else all(0.002 < inner < 0.35 and outer == 0 for inner, outer in shares)
+        check(f"an effect lights what its formula says, and moves: {effect}", good and still == 0 and moves > 0.1, f"{shares}, {moves:.2f}")
+    lines = page.run(f"""(() => {{ const relief = viewer.relief, f = viewer.choosing.field; viewer.setContent(new EffectContent('creases', '#ffffff', {{speed: 0, size: 0.3}})); viewer.projector.dirty = true; viewer.updatePatterns();
+        const d = bytesOf(viewer.projector.canvas), counts = [0, 0, 0, 0];
+        for (let y = 12; y < f.height - 12; y++) for (let x = 12; x < f.width - 12; x++) {{ const i = y * f.width + x, rim = [1, -1, f.width, -f.width].some((s) => !isSolid(f, i + s));
+            const even = [-12, 12, -12 * f.width, 12 * f.width].every((s) => isSolid(f, i + s) && f.normal[4 * i] * f.normal[4 * (i + s)] + f.normal[4 * i + 1] * f.normal[4 * (i + s) + 1] + f.normal[4 * i + 2] * f.normal[4 * (i + s) + 2] > 0.995);
+            if (!isSolid(f, i) || !(rim || even)) continue;
+            counts[rim ? 0 : 2] += d[4 * i] > 12, counts[rim ? 1 : 3]++; }}
+        return [counts[0] / counts[1], counts[2] / counts[3]]; }})()""")
+    check("lines lie on outlines, not where the object is even", lines[0] > 0.95 and lines[1] < 0.02, f"{lines[0]:.3f} and {lines[1]:.3f}")
+    turned = page.run("""(async () => { await applyControl(viewer, '/projector/1/layer/1/speed', [1.5]), await applyControl(viewer, '/projector/1/layer/1/size', [0.75]), await applyControl(viewer, '/level', [0.4]);
+        const {speed, size} = viewer.projector.content.values, out = [speed, size, viewer.relief.sound.level, document.getElementById('effect-speed').value];
+        viewer.show.add(), viewer.setContent(new EffectContent('scan', '#ff0000')), viewer.show.cues[0].fade = 30;
+        await viewer.show.go(0);
+        out.push(!!viewer.projector.fade, viewer.projector.content.effect, viewer.projector.content.values.speed), viewer.show.cues = [], viewer.show.at = -1;
+        viewer.projector.endFade(), viewer.relief.sound.given = null; return out; })()""")
+    check("its controls answer to addresses, and cues fade to it", turned == [1.5, 0.75, 0.4, "1.5", True, "creases", 1.5], f"{turned}")
+    heard = page.run("""(async () => { const {sound} = viewer.relief, told = document.getElementById('sound-told'), pause = () => new Promise((done) => setTimeout(done, 100)), press = () => document.getElementById('microphone').click();
+        viewer.setContent(new EffectContent('pulse', '#ffffff'));
+        const out = [told.textContent.slice(0, 8)];
+        press();
+        for (let k = 0; k < 60 && !(sound.running && sound.level > 0.02); k++) await pause();
+        out.push(told.textContent, sound.level > 0.02), press(), await pause(), out.push(sound.running, sound.level);
+        return out; })()""")
+    check("a pulse follows the microphone, and says where it hears", heard == ["No sound", "By the microphone", True, False, 0], f"{heard}")
+    page.run("viewer.setContent(new TestContent('White')); viewer.changed('cues'); true")
+    page.hold(False)
+    page.resize(520, 400)
 
 
 def check_cues(check, page):
@@ -772,7 +955,18 @@ def check_cues(check, page):
     page.wait("viewer.show.at === 1")
     page.wait("viewer.show.at === 0")
     check("cues follow each other in a loop", page.run("viewer.show.playing"))
-    page.run("viewer.show.stop(); viewer.show.cues = []; viewer.changed('cues'); true")
+    page.run("viewer.show.stop(); document.body.classList.add('with-panel'); document.getElementById('cues').closest('details').open = true; " + STILL)
+    middle = lambda selector: page.run(f"(() => {{ const e = document.querySelector({selector!r}); e.scrollIntoView({{block: 'center'}}); const {{left, top, width, height}} = e.getBoundingClientRect(); return [left + width / 2, top + height / 2]; }})()")
+    page.run("document.querySelector('#cues input').focus(); document.querySelector('#cues input').select()")
+    page.key("Q", "KeyQ")
+    page.run("viewer.changed('windows'), viewer.changed('cues')")
+    page.key("Z", "KeyZ")
+    at = middle("#cues button[title='More of cue 1']")
+    page.mouse("mousePressed", *at)
+    page.mouse("mouseReleased", *at, "left", 0)
+    typed = page.run("[viewer.show.cues[0].name, document.querySelector('#cues input').value, document.querySelectorAll('#cues li:first-child .row').length]")
+    check("what happens meanwhile takes neither what is typed nor a press", typed == ["QZ", "QZ", 2], f"{typed}")
+    page.run("document.body.classList.remove('with-panel'); viewer.show.cues = []; viewer.changed('cues'); true")
     seats = page.run("""(() => {
         const seat = () => JSON.stringify(viewer.watcherOf(viewer.projector).pose), look = (k) => viewer.setCamera(viewer.scene.views[k].camera.pose);
         viewer.projector.watcher = 'now', look(0), viewer.show.arm(true);
@@ -783,6 +977,26 @@ def check_cues(check, page):
     check("an armed show keeps the place that corrections are for", seats[0] == seats[1] != seats[2])
     page.hold(False)
     page.set("correction", "none")
+
+
+def check_go_bar(check, page):
+    """GO and Blackout stay where they are while a show goes on, and nothing shows through; messages name no window that is not there."""
+    page.resize(1000, 700)
+    page.run("document.body.classList.add('with-panel'); openShow(); viewer.setContent(new SolidContent('#ff0000')); viewer.show.add(); "
+             "viewer.setContent(new EffectContent('scan', '#ffffff')); viewer.show.add(); viewer.show.cues.forEach((cue) => { cue.fade = 0; }); "
+             "document.getElementById('layers').closest('details').open = true; document.getElementById('panel').scrollTop = 0; " + STILL)
+    places = page.run("""(async () => { const out = [], {left, right, top, bottom} = document.getElementById('panel').getBoundingClientRect(), rect = (e) => e.getBoundingClientRect();
+        for (const k of [0, 1, 0]) { await viewer.show.go(k); await new Promise(requestAnimationFrame); out.push(['dark', 'go'].map((id) => [rect(document.getElementById(id)).left, rect(document.getElementById(id)).top]).join()); }
+        document.getElementById('panel').scrollTop = 300;
+        const bar = document.getElementById('go-bar'), seen = [[left + 20, top + 2], [left + 4, top + 30], [right - 24, top + 30]].map((at) => bar.contains(document.elementFromPoint(...at)));
+        document.getElementById('panel').scrollTop = 1e6;
+        document.getElementById('fit').focus();
+        return [new Set(out).size, seen, getComputedStyle(bar).backgroundColor.startsWith('rgb('), rect(document.getElementById('fit')).top >= rect(bar).bottom]; })()""")
+    check("GO and Blackout stay in place, nothing shows through above or beside them or lies under them", places == [1, [True] * 3, True, True], f"{places}")
+    said = page.run("[true, false].map((on) => { blackout(viewer, on); return document.getElementById('toast').textContent; })")
+    check("a blackout without a window says so", said == [f"Blackout is {how}. No projector window is open." for how in ("on", "off")], f"{said}")
+    page.run("viewer.show.cues = []; viewer.changed('cues'); viewer.setContent(new TestContent('White')); document.body.classList.remove('with-panel'); true")
+    page.resize(520, 400)
 
 
 def check_midi(check, page):
@@ -901,9 +1115,9 @@ def check_keys(check, page):
     before, after = press(" ", "#ambient", "Space", 32, "viewer.ambient")
     press(" ", "#ambient", "Space", 32, "viewer.ambient")
     check("Space toggles a checkbox", before != after and page.run("viewer.ambient"), f"{before}, {after}")
-    before, after = press(" ", "#panel > details:nth-child(4) summary", "Space", 32, "document.querySelector('#panel > details:nth-child(4)').open")
+    before, after = press(" ", "#panel > details:nth-of-type(4) summary", "Space", 32, "document.querySelector('#panel > details:nth-of-type(4)').open")
     check("Space opens what is folded", not before and after, f"{before}, {after}")
-    page.run("document.querySelector('#panel > details:nth-child(4)').open = false")
+    page.run("document.querySelector('#panel > details:nth-of-type(4)').open = false")
     before, after = press("Home", "#exposure", "Home", 36, "viewer.exposure")
     check("Home is a slider's own", before == 0 and after == -4, f"{before}, {after}")
     page.run("document.activeElement.blur()")
@@ -1097,6 +1311,98 @@ def check_contents(check, page, folder):
     page.run("viewer.setContent(new TestContent('White'))")
 
 
+def film_of(kind, *arguments):
+    """A film of two seconds whose first is black and whose second green."""
+    colours = [part for colour in ("black", "0x00ff00") for part in ("-f", "lavfi", "-i", f"color={colour}:s=96x64:d=1:r=20")]
+    with tempfile.TemporaryDirectory() as scratch:
+        path = os.path.join(scratch, "film." + kind)
+        subprocess.run(["ffmpeg", "-loglevel", "error", *colours, "-filter_complex", "concat", *arguments, path], check=True)
+        with open(path, "rb") as file:
+            return file.read()
+
+
+def tile(page, name):
+    """The middle of a tile, once it has a picture."""
+    page.wait(f"[...document.querySelectorAll('#contents button')].some((b) => b.title === {name!r})", 30)
+    middle = f"[...bytesOf([...document.querySelectorAll('#contents button')].find((b) => b.title === {name!r}).querySelector('canvas')).subarray(4 * (48 * 96 + 48), 4 * (48 * 96 + 49))]"
+    end = time.monotonic() + 30
+    while max(page.run(middle)[:3]) < 100 and time.monotonic() < end:
+        time.sleep(0.1)
+    return page.run(middle)
+
+
+def check_films(check, page):
+    """Tiles of films that begin black, in the codecs that this browser plays; those that it does not play are refused by their names."""
+    if not shutil.which("ffmpeg"):
+        print("skipped: ffmpeg is not here")
+        return
+    for name, kind, arguments in (("vp9.webm", "video/webm", ("-c:v", "libvpx-vp9")), ("vp8.webm", "video/webm", ("-c:v", "libvpx")),
+                                  ("h264.mp4", "video/mp4", ("-c:v", "libx264", "-pix_fmt", "yuv420p", "-bf", "2"))):
+        page.run("document.getElementById('toast').textContent = ''")
+        page.drop(name, kind, film_of(name.split(".")[1], *arguments))
+        page.wait(f"viewer.projector.content.name === {name!r} || document.getElementById('toast').textContent.includes('cannot play')", 30)
+        if "cannot play" in page.run("document.getElementById('toast').textContent"):
+            print(f"skipped: {name}: this browser does not play it")
+            continue
+        seen = tile(page, name)
+        check(f"the tile of {name} shows a frame that is not black", seen[1] > 200 and seen[0] < 60, f"{seen}")
+    page.run("viewer.setContent(new TestContent('White'))")
+    for name, told, arguments in (("cut.mov", "ProRes", ("-c:v", "prores_ks")), ("loop.mov", "HAP", ("-c:v", "hap")), ("cine.avi", "CineForm", ("-c:v", "cfhd", "-pix_fmt", "yuv422p10le")),
+                                  ("old.mkv", "MPEG-2", ("-c:v", "mpeg2video")), ("keyed.mov", "ProRes", ("-c:v", "prores_ks", "-pix_fmt", "yuva444p10le", "-profile:v", "4444"))):
+        page.drop(name, "video/quicktime" if name.endswith("mov") else "", film_of(name.split(".")[1], *arguments))
+        page.wait(f"document.getElementById('toast').classList.contains('shown') && document.getElementById('toast').textContent.includes({name!r})", 60)
+        said, wanted = page.message(), "libvpx-vp9" if name == "keyed.mov" else "libx264"
+        check(f"{name} is refused by its name, with the line that converts it", f"is {told}," in said and f'ffmpeg -i "{name}" -c:v {wanted}' in said, said)
+
+
+def check_panel_pixels(check, page):
+    """Any page can be told the pixels of the real projector: its window has them, the pattern is as fine."""
+    def say(width, height):
+        page.run(f"for (const [id, value] of [['pixels-w', '{width}'], ['pixels-h', '{height}']]) Object.assign(document.getElementById(id), {{value}}); "
+                 "document.getElementById('pixels-h').dispatchEvent(new Event('change')); idle()")
+
+    page.run("viewer.setContent(new SolidContent('#ffffff'))")
+    plain = page.run("viewer.window.picture().width")
+    say(1920, 1080)
+    shown = page.run("""(() => { const {width, height, bytes} = viewer.window.picture(); let lit = 0;
+        for (let x = 0; x < width; x++) lit += bytes[4 * (width * 540 + x)] > 200;
+        return [width, height, lit, viewer.projector.pattern.width, stateOf(viewer).projectors[0].pixels]; })()""")
+    kept = page.run("checkState(viewer, plainState(stateOf(viewer))).then((state) => state.projectors[0].pixels)")
+    wrong = page.run("(() => { const plain = plainState(stateOf(viewer)); plain.projectors[0].pixels = [1920, 'x']; return checkState(viewer, plain).then(() => '', (error) => error.message); })()")
+    say("", "")
+    back = page.run("viewer.window.picture().width")
+    check("a projector's own pixels", shown == [1920, 1080, 1080, 1080, [1920, 1080]] and kept == [1920, 1080] and "pixels" in wrong and back == plain == 800, f"{shown} {kept} {wrong} {back}")
+
+
+def check_first_text(check, page):
+    """A text that nobody has placed lies within the object, larger than in the middle of its bounds."""
+    page.run("viewer.jump(viewer.scene.views[0], true); viewer.setLayers([new Layer(new TestContent('White'))]); true")
+    page.run("(() => { const text = document.getElementById('text'); text.value = 'Open'; text.dispatchEvent(new Event('input')); })()")
+    inside = page.run("""(() => { const {projector, scene} = viewer, {device, layer} = projector, corners = cornersOf(layer.frame(device.width, device.height)), [a, , c] = corners;
+        const on = (x, y) => { const {splats} = scene; for (let i = 0; i < splats.count; i++) { const [u, v] = project(device, [0, 1, 2].map((k) => splats.centre[3 * i + k]));
+            if (splats.opacity[i] >= 0.5 && Math.hypot(u - x, v - y) < 12) return true; } return false; };
+        let hit = 0, all = 0;
+        for (let s = 0.05; s < 1; s += 0.1) for (let t = 0.1; t < 1; t += 0.2) all++, hit += on(a[0] + s * (c[0] - a[0]), a[1] + t * (c[1] - a[1]));
+        return [hit / all, (c[0] - a[0]) / device.width]; })()""")
+    page.run("viewer.setContent(new TestContent('White'))")
+    back = page.run("JSON.stringify(viewer.projector.layer.place) === JSON.stringify(newPlace())")
+    check("the first text lies on the object where it is widest", inside[0] > 0.97 and inside[1] > 0.25 and back, f"{inside[0]:.2f} of it on the object, {inside[1]:.2f} of the picture wide")
+
+
+def check_ready(check, page, path):
+    """"Drawing..." goes when the graphics driver has drawn, which may be long after the calls."""
+    late = page.call("Page.addScriptToEvaluateOnNewDocument", {"source": """{ const {prototype} = WebGL2RenderingContext, real = prototype.clientWaitSync, told = window.told = {};
+        prototype.clientWaitSync = function (...given) {
+            told.asked = told.asked || performance.now();
+            if (performance.now() - told.asked < 1500) return this.TIMEOUT_EXPIRED;
+            told.early = document.body.classList.contains('ready'), told.waited = performance.now() - told.asked;
+            return real.apply(this, given); }; }"""})["identifier"]
+    page.start(path)
+    page.call("Page.removeScriptToEvaluateOnNewDocument", {"identifier": late})
+    seen = page.run("[told.early, told.waited > 1499, getComputedStyle(document.getElementById('starting')).display]")
+    check("the page is ready when its driver has drawn", seen == [False, True, "none"], f"{seen}")
+
+
 def check_broken(check, page):
     page.run("idle()")
     before = page.pixels()
@@ -1115,16 +1421,20 @@ def check_broken(check, page):
 
 
 def check_window(check, page):
-    """The projector window is a page of its own; its canvas is looked at through ours."""
+    """The projector window is a page of its own."""
     page.run("viewer.setContent(new TestContent('Lollipop'))")
     page.click("#send")
     page.wait("viewer.window.isOpen")
-    page.run("viewer.updatePatterns(); viewer.window.show(); true")
-    same = page.run("""(() => { const {canvas} = viewer.window, from = viewer.projector.canvas;
-        const a = bytesOf(canvas), b = bytesOf(from);
+    check("the button says that it is open", page.run("document.getElementById('send').textContent") == "The projector window is open")
+    page.run("viewer.updatePatterns(); viewer.window.show(); idle()")
+    page.wait("!viewer.window.drawing && !viewer.window.stale")
+    page.far("window.shown = far.context().getImageData(0, 0, far.canvas.width, far.canvas.height), true")
+    size, there = page.far("[[shown.width, shown.height], shown.data.reduce((text, byte) => text + String.fromCharCode(byte), '')]")
+    there = there.encode("latin-1")
+    same = page.run(f"""(() => {{ const a = Uint8Array.from(atob({base64.b64encode(there).decode()!r}), (c) => c.charCodeAt(0)), b = bytesOf(viewer.projector.canvas);
         let most = a.length === b.length ? 0 : 255, light = 0;
-        for (let i = 0; i < a.length; i++) { most = Math.max(most, Math.abs(a[i] - b[i])); light += a[i]; }
-        return [most, light / a.length, canvas.width, canvas.height]; })()""")
+        for (let i = 0; i < a.length; i++) {{ most = Math.max(most, Math.abs(a[i] - b[i])); light += a[i]; }}
+        return [most, light / a.length, ...{size}]; }})()""")
     check("the projector window shows the pattern", same[0] <= 1 and same[1] > 20, f"differs by {same[0]} of 255 at most, {same[2]} x {same[3]}")
     mean = page.run("""(() => { const p = viewer.projector, d = p.device, {context} = p;
         context.fillStyle = '#000', context.fillRect(0, 0, d.width, d.height), context.fillStyle = '#fff';
@@ -1138,65 +1448,79 @@ def check_window(check, page):
     page.run("""Object.defineProperty(document, 'hidden', {value: true, configurable: true});
         window.frameOf = requestAnimationFrame; window.requestAnimationFrame = () => 0; document.dispatchEvent(new Event('visibilitychange'));
         viewer.setContent(new SolidContent('#00ff00')); true""")
-    colour = "String([...bytesOf(viewer.window.canvas).subarray(0, 3)])"
-    page.wait(f"{colour} === '0,255,0'")
-    check("the projector window goes on when the page is hidden", page.run(colour) == "0,255,0", page.run(colour))
+    colour = "document.body.style.visibility === 'hidden' ? '0,0,0' : String([...far.context().getImageData(0, 0, 1, 1).data].slice(0, 3))"
+
+    def becomes(wanted, number=None):
+        """The colour of the projector's window, which follows a moment later."""
+        end = time.monotonic() + 10
+        while page.far(colour, number) != wanted and time.monotonic() < end:
+            time.sleep(0.05)
+        return page.far(colour, number)
+
+    seen = becomes("0,255,0")
+    check("the projector window goes on when the page is hidden", seen == "0,255,0", seen)
     page.run("delete document.hidden; window.requestAnimationFrame = frameOf; viewer.pending = false; "
              "document.dispatchEvent(new Event('visibilitychange')); viewer.invalidate(); idle()")
     dark = []
-    for press in ("dispatchEvent(new KeyboardEvent('keydown', {key: '.'}))",
-                  "viewer.window.window.document.dispatchEvent(new viewer.window.window.KeyboardEvent('keydown', {key: '.'}))"):
-        page.run(f"{press}; viewer.projector.dirty = true; viewer.invalidate(); idle()")
-        dark.append(page.run(colour))
-    for _ in range(2):
+    press = "dispatchEvent(new KeyboardEvent('keydown', {key: '.'})), true"
+    for work, wanted in ((page.run, "0,0,0"), (page.far, "0,255,0")):
+        work(press)
+        dark.append(becomes(wanted))
+        page.run("viewer.pressed = -1e9")  # not in haste
+    for wanted in ("0,0,0", "0,255,0"):
         page.click("#dark")
-        page.run("viewer.projector.dirty = true; viewer.invalidate(); idle()")
-        dark += [page.run(colour), page.run("document.getElementById('dark').getAttribute('aria-pressed')")]
+        dark += [becomes(wanted), page.run("document.getElementById('dark').getAttribute('aria-pressed')")]
+        page.run("viewer.pressed = -1e9")
     check("blackout, and back", dark == ["0,0,0", "0,255,0", "0,0,0", "true", "0,255,0", "false"], f"{dark}")
     page.run("document.activeElement.blur(); dispatchEvent(new KeyboardEvent('keydown', {key: 't'}))")
-    shown = page.run("""(() => { const {canvas} = viewer.window, {width: w, height: h} = canvas, bytes = bytesOf(canvas), at = (x, y) => bytes[4 * (w * y + x) + 1];
+    shown = page.run("""(() => { const {width: w, height: h, bytes} = viewer.window.picture(), at = (x, y) => bytes[4 * (w * y + x) + 1];
         const step = Math.max(16, Math.round(h / 12)), field = [0, 1, 2, 3].map((i) => at(step + 2 + i, step + 2)), colours = new Set();
         for (let i = 0; i < bytes.length; i += 4) colours.add(String(bytes.subarray(i, i + 3)));
         const own = viewer.projector.colour.match(/[0-9a-f]{2}/g).map((v) => parseInt(v, 16)).join();
         return [[at(0, 5), at(1, 5), at(5, h - 1), at(w - 1, 5)], field, colours.has(own)]; })()""")
     page.run("dispatchEvent(new KeyboardEvent('keydown', {key: 't'}))")
     pressed = []
-    for _ in range(2):
+    for wanted in ("255,255,255", "0,255,0"):
         page.click("#test")
-        pressed += [page.run(f"idle().then(() => {colour} !== '0,255,0')"), page.run("document.getElementById('test').getAttribute('aria-pressed')")]
-    check("the test picture by its button, and back", pressed == [True, "true", False, "false"], f"{pressed}")
-    check("a test picture of single pixels, and back", shown == [[255, 0, 255, 255], [0, 255, 0, 255], True] and page.run(colour) == "0,255,0", f"{shown}")
+        pressed += [becomes(wanted) == wanted, page.run("document.getElementById('test').getAttribute('aria-pressed')")]
+    check("the test picture by its button, and back", pressed == [True, "true", True, "false"], f"{pressed}")
+    check("a test picture of single pixels, and back", shown == [[255, 0, 255, 255], [0, 255, 0, 255], True] and becomes("0,255,0") == "0,255,0", f"{shown}")
     page.click("#add")
-    page.run("viewer.setContent(new SolidContent('#ff0000')); viewer.window.open(); idle()")
-    before = page.run(f"window.other = viewer.window.window; [viewer.projectors.map((p) => String([...bytesOf(p.window.canvas).subarray(0, 3)])), other.document.title.replace(/[0-9]+$/, '')].join(' ')")
+    page.run("viewer.setContent(new SolidContent('#ff0000')); viewer.window.open().then(idle)")
+    first, other = page.run("viewer.projectors.map((p) => p.number)")
+    before = [becomes("0,255,0", first), becomes("255,0,0", other), page.far("document.title.replace(/[0-9]+$/, '')", other)]
     page.click("#remove")
-    page.wait("other.closed")
-    after = page.run(f"idle().then(() => viewer.window.isOpen + ' ' + {colour})")
-    check("each projector has a window of its own, until it is removed", (before, after) == ("0,255,0,255,0,0 Projector ", "true 0,255,0"), f"{before} and then {after}")
+    end = time.monotonic() + 10
+    while page.pages(f"#projector-{other}-") and time.monotonic() < end:
+        time.sleep(0.05)
+    after = [page.pages(f"#projector-{other}-"), page.run("viewer.window.isOpen"), becomes("0,255,0", first)]
+    check("each projector has a window of its own, until it is removed", (before, after) == (["0,255,0", "255,0,0", "Projector "], [[], True, "0,255,0"]), f"{before} and then {after}")
     page.run("""(() => { const d = viewer.projector.device; viewer.scene.panel = {...d, width: 1600, height: 1200, fx: 2 * d.fx, fy: 2 * d.fy, cx: 800, cy: 600};
-        viewer.addProjector(); viewer.setContent(new TestContent('White')); viewer.window.open(); return idle(); })()""")
-    finer = page.run("[viewer.projector.pattern.width / viewer.projector.device.width, viewer.window.canvas.width, viewer.window.canvas.height]")
+        viewer.addProjector(); viewer.setContent(new TestContent('White')); return viewer.window.open().then(idle); })()""")
+    becomes("255,255,255")
+    finer = [page.run("viewer.projector.pattern.width / viewer.projector.device.width"), *page.far("[far.canvas.width, far.canvas.height]")]
     check("a pattern is as fine as the panel", finer == [2, 1600, 1200], f"{finer}")
-    placed = page.run("""(() => { const popup = viewer.window.window, set = (name, value) => Object.defineProperty(popup, name, {value, configurable: true});
+    placed = page.far("""(() => { const set = (name, value) => Object.defineProperty(window, name, {value, configurable: true});
         return [[1600, 1200, 1], [1280, 960, 1.25], [1300, 960, 1.25], [640, 480, 1]].map(([width, height, ratio]) => {
-            set('innerWidth', width), set('innerHeight', height), set('devicePixelRatio', ratio), viewer.window.place();
-            const {style} = viewer.window.canvas;
+            set('innerWidth', width), set('innerHeight', height), set('devicePixelRatio', ratio), far.place();
+            const {style} = far.canvas;
             return [style.left, style.width, style.height, style.objectFit].join(' ').trim(); }); })()""")
     check("panel pixels are the screen's at any scale", placed == ["0px 1600px 1200px", "0px 1280px 960px", "9.6px 1280px 960px", "0px 100vw 100vh contain"], f"{placed}")
     page.click("#remove")
-    came = page.run("""(async () => { const popup = viewer.window.window, set = (name, value) => Object.defineProperty(popup, name, {value, configurable: true});
+    page.far("""(() => { const set = (name, value) => Object.defineProperty(window, name, {value, configurable: true});
         set('screenX', 1930), set('screenY', 40), set('innerWidth', 1024), set('innerHeight', 768);
-        popup.close();
-        for (let i = 0; i < 100 && !document.getElementById('toast').textContent.includes('Press W'); i++) await new Promise((done) => setTimeout(done, 20));
-        viewer.window.where.full = true;
-        const toast = document.getElementById('toast'), told = toast.classList.contains('shown') && toast.textContent;
-        const state = await checkState(viewer, JSON.parse(await stageText(viewer))), real = window.open; let asked = '';
-        window.open = (...given) => { asked = given[2]; return real('', '', 'popup,width=400,height=300'); };
+        dispatchEvent(new Event('resize'));
+        setTimeout(() => window.close()); return true; })()""")
+    page.wait("document.getElementById('toast').textContent.includes('Press W')", 20)
+    came = page.run("""(async () => { viewer.window.where.full = true;
+        const state = await checkState(viewer, JSON.parse(await stageText(viewer))), real = window.open, {id, ...where} = state.projectors[0].window; let asked = '';
+        window.open = (address, name, how) => { asked = how; return real(address, name, how); };
         await viewer.window.open();
         window.open = real;
-        return [asked, viewer.window.window.document.querySelector('p').textContent.slice(0, 17), state.projectors[0].window, !!told && told.includes('Press W')]; })()""")
-    check("a window that was closed comes back where it was", came == ["popup,width=1024,height=768,left=1930,top=40", "Click this window",
-          {"left": 1930, "top": 40, "full": True, "width": 1024, "height": 768}, True], f"{came}")
+        return [asked, where]; })()""")
+    came.append(page.far("far.hint.textContent.slice(0, 17)"))
+    check("a window that was closed comes back where it was", came == ["popup,noopener,width=1024,height=768,left=1930,top=40",
+          {"left": 1930, "top": 40, "full": True, "width": 1024, "height": 768}, "Click this window"], f"{came}")
     page.run("viewer.scene.panel = null, viewer.window.close(), idle()")
 
 
@@ -1251,6 +1575,17 @@ OUTSIDE = """(() => { const out = [], rect = (e) => e.getBoundingClientRect(), n
         if (e.checkVisibility() && !e.closest('.strip')) within(e, {...{left: rect(panel).left, right: rect(panel).right}, top: -1e9, bottom: 1e9});
     const a = rect(tools), b = rect(panel);
     if (a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom) out.push('tools and panel overlap');
+    return out; })()"""
+
+# Parts of the page that a message covers, GO where it is not at hand however far the panel is scrolled, a blackout without its label.
+LONGEST = "Armed: Space or Enter is GO. Corrections keep the place that you look from now. No projector window is open."
+COVERED = """(() => { const rect = (id) => document.getElementById(id).getBoundingClientRect(), meets = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+    const toast = rect('toast'), panel = document.getElementById('panel'), out = ['panel', 'tools', 'held'].filter((id) => meets(toast, rect(id)));
+    panel.scrollTop = 1e6;
+    const {left, top, width, height} = rect('go'), reached = document.elementFromPoint(left + width / 2, top + height / 2);
+    if (reached !== document.getElementById('go')) out.push('GO is not at hand');
+    panel.scrollTop = 0;
+    if (document.getElementById('held').textContent !== 'Blackout, Test picture' || rect('held').width < 40) out.push('no blackout');
     return out; })()"""
 
 # The least contrast of texts, as WCAG 2 counts it.
@@ -1308,6 +1643,15 @@ def check_looks(check, page, folder):
         outside = page.run(OUTSIDE)
         check(f"the page fits {width} pixels", not outside, "; ".join(outside))
         page.hold(False)
+    page.run("viewer.show.add(), viewer.dark = viewer.test = true, viewer.changed('windows')")
+    for width, height in ((1400, 900), (980, 760), (400, 800)):  # the second in the studio
+        page.resize(width, height, 1, width == 400)
+        page.run(f"document.body.classList.add('with-panel'), say({LONGEST!r}), viewer.invalidate(), idle().then(() => {STILL})")
+        page.screenshot(os.path.join(folder, f"show-{width}.png"))
+        covered = page.run(COVERED)
+        check(f"messages cover no control, GO is at hand and a blackout is seen at {width} pixels", not covered, "; ".join(covered))
+    page.run("viewer.show.cues = [], viewer.dark = viewer.test = false, viewer.changed('windows'), document.body.classList.remove('with-panel')")
+    check("they go", page.run("document.getElementById('held').hidden && document.getElementById('go-bar').hidden"))
     page.resize(520, 400)
 
 
@@ -1356,6 +1700,9 @@ def main():
             check_walking(check, page)
             check_targets(check, page)
             check_contents(check, page, folder)
+            check_films(check, page)
+            check_panel_pixels(check, page)
+            check_first_text(check, page)
             check_broken(check, page)
             check_window(check, page)
             check_panel(check, page, program, ply, data, scratch)
@@ -1364,13 +1711,16 @@ def main():
             check_access(check, page)
             check_undo(check, page)
             check_place(check, page)
+            check_surfaces(check, page, folder)
             check_cues(check, page)
+            check_go_bar(check, page)
             check_midi(check, page)
             check_nudge(check, page)
             check_letters(check, page, folder)
             check_touch(check, page, folder)
             check_same_ids(check, page, path, scratch)
             check_kept(check, page, path, scratch)
+            check_ready(check, page, path)
             check("nothing in the console", not page.console, "; ".join(page.console)[:600])
             away = [url for url in page.requests if not url.startswith(("file:", "blob:", "data:", "about:"))]
             check("no request leaves the page", not away, " ".join(away))

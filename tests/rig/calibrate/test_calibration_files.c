@@ -1,4 +1,6 @@
 // Files that a calibration is read from and written to: photographs in order, names of any bytes, drawings.
+#include "core/patterns/patterns.h"
+#include "core/patterns/shown.h"
 #include "rig/calibrate/calibrate.h"
 #include "rig/chessboard/attitudes.h"
 #include "rig/optics/document.h"
@@ -97,9 +99,82 @@ static void names_of_one_number_have_an_order(void **state) {
     }
 }
 
+// A folder of files whose numbers go from 1 to `last`, but for some.
+static void put_numbered(const char *folder, int last, int without, int without_too) {
+    assert_true(ffp_make_folders(in_scratch(folder), NULL));
+    for (int i = 1; i <= last; i++) {
+        char path[FFP_PATH_MAX];
+        snprintf(path, sizeof path, "%s/%03d.png", in_scratch(folder), i);
+        if (i != without && i != without_too) assert_true(ffp_write_file(path, "", 0, NULL));
+    }
+}
+
+// Which photograph is missing, the files' numbers tell; what calibration does not need may be.
+static void missing_photographs_are_named(void **state) {
+    (void)state;
+    const FfpShow show = {.width = 64, .height = 64, .lollipops = 1, .capture = true, .gray_codes = true};
+    static const char *const names[] = {"p-10", "p-11", "p-12", "p-2", "p-9"};
+    char paths[5][FFP_PATH_MAX];
+    const char *given[5];
+    FfpShotFolders found;
+    FfpError err = {0};
+    FfpShown shown;
+    int width, height;
+    assert_true(ffp_show_write_folder(&show, in_scratch("shown"), &err));
+    assert_true(ffp_shown_read(&shown, in_scratch("shown"), &err));
+    const int others = shown.n - shown.n_codes;
+    put_numbered("p-2", shown.n, 0, 0);
+    put_numbered("p-9", shown.n, others, others > 3 ? others - 1 : 0); // without its lollipops
+    put_numbered("p-10", shown.n, others + 3, others + 6);             // codes of two pairs
+    put_numbered("p-11", shown.n, others + 3, 0);                      // one may be missing
+    put_numbered("p-12", shown.n, 1, 0);                               // also black
+    for (int i = 0; i < 5; i++) {
+        snprintf(paths[i], sizeof paths[i], "%s", in_scratch(names[i]));
+        given[i] = paths[i];
+    }
+    if (!ffp_shot_folders_find(&found, given, 5, &err)) fail_msg("%s", err.text);
+    assert_string_equal(found.folders[0].name, "p-2"); // not as bytes have it
+    assert_string_equal(found.folders[2].name, "p-10");
+    assert_true(ffp_shot_folders_select_codes(&found, in_scratch("shown"), &width, &height, &err));
+    assert_null(found.folders[0].problem);
+    assert_null(found.folders[1].problem);
+    const char **codes = found.folders[2].files + 2;
+    assert_true(!found.folders[2].problem && !codes[2] && codes[3] && codes[4] && !codes[5]);
+    assert_null(found.folders[3].problem);
+    assert_null(found.folders[3].files[4]);
+    assert_null(found.folders[4].problem);
+    assert_int_equal(found.folders[4].n_files, 1 + shown.n_codes);
+    assert_string_equal(ffp_basename(found.folders[4].files[0]), "002.png");
+    ffp_shown_free(&shown);
+    ffp_shot_folders_free(&found);
+}
+
+// Folders of one name are told apart by the rest of their paths.
+static void folders_of_one_name_are_told_apart(void **state) {
+    (void)state;
+    static const char *const days[2] = {"mon", "tue"};
+    char paths[2][FFP_PATH_MAX];
+    const char *given[2];
+    FfpShotFolders found;
+    FfpError err = {0};
+    for (int i = 0; i < 2; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "%s/left/shots", days[i]);
+        snprintf(paths[i], sizeof paths[i], "%s", in_scratch(name));
+        assert_true(ffp_make_folders(paths[i], &err));
+        put_numbered(name, 3, 0, 0);
+        given[i] = paths[i];
+    }
+    if (!ffp_shot_folders_find(&found, given, 2, &err)) fail_msg("%s", err.text);
+    for (int i = 0; i < 2; i++) assert_string_equal(found.folders[i].name, days[i]);
+    ffp_shot_folders_free(&found);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(names_of_any_bytes_can_be_read),
                                        cmocka_unit_test(drawings_have_pixels_at_their_places),
-                                       cmocka_unit_test(names_of_one_number_have_an_order)};
+                                       cmocka_unit_test(names_of_one_number_have_an_order),
+                                       cmocka_unit_test(missing_photographs_are_named),
+                                       cmocka_unit_test(folders_of_one_name_are_told_apart)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

@@ -23,6 +23,8 @@ static const struct {
     {"exposure", "How bright the object is under white."},
     {"black level", "Nothing can be darker under more light."},
     {"lit share", "How much of the object the projector's light reaches."},
+    {"guesses", "A pattern tells a pixel's depth where it reaches the pixel; where Gray codes were "
+                "photographed, they must give a position, too, which they do not on mirrors."},
     {"ambient", "The room's light, which remains when the projector shows black."},
     {"camera", "Distances, angles and fields of view, beside those of the rigs that the shipped model was "
                "trained on. Others work, but less well; `--model none` does not depend on them."},
@@ -82,7 +84,8 @@ static void write_page(FILE *out) {
           "`ffp_capture_check` give, too.\n"
           "A fault makes the result wrong: `reconstruct`, `refine` and `evaluate` refuse such a capture "
           "unless they are "
-          "told `--force`. A doubt makes the result worse, or may not be what you intended; notes are worth "
+          "told `--force`; `calibrate` and `import` always refuse. A doubt makes the result worse, or may "
+          "not be what you intended; notes are worth "
           "knowing.\n"
           "Capitals stand for names and numbers.\n",
           out);

@@ -155,11 +155,11 @@ static bool import_board(const char *calibration_name, const char *name, const i
     for (int i = 0; i < 5; i++) {
         const int number = i < 2 ? 41 - i : shown[i - 2];
         snprintf(files[i], sizeof files[i], "%s/capture_0/graycode_%02d.jpg", sample, number);
-        images[i] = (FfpImportImages){&names[i], 1, files[i]};
+        images[i] = (FfpImportImages){.patterns = &names[i], .n_patterns = 1, .files = files[i]};
         if (i < 2) continue;
         snprintf(patterns[i - 2], sizeof patterns[0], "%s/gray_%02d.png", scratch, number);
         write_gray_code(number, patterns[i - 2]);
-        projected[i - 2] = (FfpImportPattern){names[i], patterns[i - 2]};
+        projected[i - 2] = (FfpImportPattern){.name = names[i], .file = patterns[i - 2]};
     }
     snprintf(folder, sizeof folder, "%s/%s", scratch, name);
     const FfpImport settings = {.size = sizeof settings,

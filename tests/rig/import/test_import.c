@@ -232,8 +232,8 @@ static Call *call_of(const char *folder, const char *file, const char *second) {
     snprintf(call.folder, sizeof call.folder, "%s/%s", scratch, folder);
     snprintf(call.files[0], sizeof call.files[0], "%s/%s", scratch, file);
     snprintf(call.files[1], sizeof call.files[1], "%s/%s", scratch, second ? second : "");
-    call.image_list[0] = (FfpImportImages){names, 3, call.images};
-    call.pattern_list[0] = (FfpImportPattern){"dots", call.pattern};
+    call.image_list[0] = (FfpImportImages){.patterns = names, .n_patterns = 3, .files = call.images};
+    call.pattern_list[0] = (FfpImportPattern){.name = "dots", .file = call.pattern};
     call.file_list[0] = call.files[0], call.file_list[1] = call.files[1];
     call.options = (FfpImport){.size = sizeof(FfpImport),
                                .calibrations = call.file_list,

@@ -291,6 +291,34 @@ static const char *told_of(Room *room) {
     return told;
 }
 
+static bool complete(void *room, FfpError *e) {
+    Room *r = room;
+    bool made[VIEWS];
+    FfpEmptyStage stages[VIEWS];
+    for (int v = 0; v < VIEWS; v++) made[v] = true, stages[v] = r->stage;
+    return ffp_masks_complete(
+        &(FfpMasking){
+            .capture = &r->capture, .made = made, .stages = stages, .paths = r->paths, .posed = true},
+        e);
+}
+
+// Another exposure of the stage, and then poses that are wrong.
+static void what_makes_masks_doubtful_is_told(void **state) {
+    (void)state;
+    static const char *const codes[3] = {"", "stage-exposure ;", "masks-disagree ;"};
+    FfpContext context = {.settings = {.finding = keep_finding}};
+    for (int k = 0; k < 3; k++) {
+        Room *room = new_room(true);
+        for (int p = 0; p < PATTERNS && k == 1; p++)
+            for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) room->stage.images[p].data[i] *= 1.25F;
+        for (int v = 0; v < VIEWS && k == 2; v++) room->capture.views[v].camera.cx += v % 2 ? 12 : -12;
+        told[0] = 0;
+        if (!ffp_call_run(&context, complete, room, &err)) fail_msg("%s", err.text);
+        assert_string_equal(told, codes[k]);
+        free_room(room);
+    }
+}
+
 // Picture content to the right by n pixels; what leaves comes back on the left.
 static void push(FfpImage *image, int n) {
     FfpImage before = ffp_image_copy(image);
@@ -391,6 +419,7 @@ int main(void) {
         cmocka_unit_test(without_poses_light_alone_decides),
         cmocka_unit_test(a_view_like_the_stage_is_refused),
         cmocka_unit_test(other_light_is_told),
+        cmocka_unit_test(what_makes_masks_doubtful_is_told),
         cmocka_unit_test(what_changed_since_the_stage_is_named),
         cmocka_unit_test(an_exchanged_stage_is_refused),
         cmocka_unit_test(what_stays_the_same_is_the_stage),

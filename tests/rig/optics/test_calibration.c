@@ -200,7 +200,36 @@ static void test_bad_fields(void **state) {
     must_refuse("prjK: [ [ 90, 0, 15 ], [ 0, 90, 11 ], [ 0, 0, 1 ] ]\n", "", "no projector");
     must_refuse("R: [ 1, 0, 0, 0, 1, 0, 0, 0, 1 ]\nT: [ 1, 0, 0 ]\n", "", "stereo-calibrate");
     must_refuse("camK:", "prjK:", "key is repeated");
-    must_refuse("camK:", "camQ:", "without a camera matrix");
+    must_refuse("camK:", "Q:", "without a camera matrix");
+}
+
+// Keys of tools that nobody told us of: by what they hold, and whose they are.
+static void test_unknown_keys(void **state) {
+    (void)state;
+#define OF_CAMERA "[[100, 0, 31.5], [0, 100, 23.5], [0, 0, 1]]"
+#define OF_PROJECTOR "[[90, 0, 15], [0, 90, 11], [0, 0, 1]]"
+#define NO_TURN "[[1, 0, 0], [0, 1, 0], [0, 0, 1]]"
+    static const char *const texts[] = {
+        ("pro_K: [90, 0, 15, 0, 90, 11, 0, 0, 1]\npro_kc: [0, 0, 0, 0]\npro_size: [30, 22]\n"
+         "cam_K: " OF_CAMERA "\ncam_kc: [0.1, 0, 0, 0]\ncam_size: [64, 48]\n"
+         "R1: " NO_TURN "\nR: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nR2: " NO_TURN "\nT: [1, 0, 0]\nerror: 0.3\n"),
+        ("projector_matrix: " OF_PROJECTOR "\nCameraMatrix: " OF_CAMERA "\nrot_cam_to_proj: " NO_TURN
+         "\ntrans_cam_to_proj: [1, 0, 0]\ndate: today\n"),
+        ("{\"K_left\": " OF_CAMERA ", \"K_right\": " OF_PROJECTOR ", \"om\": " NO_TURN ", \"t\": [1, 0, 0]}"),
+        ("{\"cam_K_1280\": " OF_CAMERA ", \"proj_K_1920\": " OF_PROJECTOR ", \"R\": " NO_TURN
+         ", \"T\": [1, 0, 0]}")};
+    const char *files[1] = {in_scratch("other.yml")};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        write_text("other.yml", texts[i]);
+        must_read(files, 1);
+        near(calibration.camera.cx, 32);
+        near(calibration.projector.fy, 90);
+        near(calibration.p2c[3], -1);
+        assert_int_equal(calibration.projector.width, i == 0 ? 30 : 0);
+        ffp_calibration_free(&calibration);
+    }
+    write_text("other.yml", "intrinsics: [[90, 0, 15], [0, 90, 11], [0, 0, 1]]\nRT: [1, 2]\n");
+    must_fail(files, 1, "intrinsics, RT: none of the keys");
 }
 
 static void test_bad_documents(void **state) {
@@ -547,21 +576,14 @@ static void test_names_of_views(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kamino),
-        cmocka_unit_test(test_kamino_camera),
-        cmocka_unit_test(test_single_shot),
-        cmocka_unit_test(test_good),
-        cmocka_unit_test(test_bad_fields),
-        cmocka_unit_test(test_bad_documents),
-        cmocka_unit_test(test_truncated),
-        cmocka_unit_test(test_two_files),
-        cmocka_unit_test(test_mutated),
-        cmocka_unit_test(test_other_tools),
-        cmocka_unit_test(test_colmap_in_folders),
-        cmocka_unit_test(test_bad_colmap),
-        cmocka_unit_test(test_unused_camera_of_colmap),
-        cmocka_unit_test(test_bad_lists),
-        cmocka_unit_test(test_names_of_views),
+        cmocka_unit_test(test_kamino),        cmocka_unit_test(test_kamino_camera),
+        cmocka_unit_test(test_single_shot),   cmocka_unit_test(test_good),
+        cmocka_unit_test(test_bad_fields),    cmocka_unit_test(test_unknown_keys),
+        cmocka_unit_test(test_bad_documents), cmocka_unit_test(test_truncated),
+        cmocka_unit_test(test_two_files),     cmocka_unit_test(test_mutated),
+        cmocka_unit_test(test_other_tools),   cmocka_unit_test(test_colmap_in_folders),
+        cmocka_unit_test(test_bad_colmap),    cmocka_unit_test(test_unused_camera_of_colmap),
+        cmocka_unit_test(test_bad_lists),     cmocka_unit_test(test_names_of_views),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

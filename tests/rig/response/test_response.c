@@ -117,6 +117,34 @@ static void test_apply(void **state) {
     ffp_image_free(&image);
 }
 
+// Greys of a known gamma, a little off, and of an sRGB projector, which no gamma describes as well.
+static void test_greys(void **state) {
+    (void)state;
+    FfpGrey greys[6];
+    FfpResponse response;
+    double errors[2];
+    for (int i = 0; i < 6; i++) {
+        greys[i].value = (i + 1) / 7.0;
+        for (int c = 0; c < 3; c++)
+            greys[i].light[c] = pow(greys[i].value, gamma_true[c]) + (i % 2 ? 0.001 : -0.001);
+    }
+    ffp_fit_greys(&response, greys, 6, false, errors);
+    for (int c = 0; c < 3; c++) {
+        assert_float_equal(response.gamma[c], gamma_true[c], 0.02);
+        assert_true(response.gamma_deviation[c] > 5e-4 && response.gamma_deviation[c] < 0.01);
+    }
+    assert_true(errors[1] < 0.004 && errors[0] > 0.02);
+    for (int i = 0; i < 6; i++)
+        for (int c = 0; c < 3; c++) greys[i].light[c] = (double)ffp_srgb_decode((real)greys[i].value);
+    ffp_fit_greys(&response, greys, 6, false, errors);
+    assert_true(errors[0] < 1e-6 && errors[1] > 1e-3);
+    for (int i = 0; i < 6; i++)
+        for (int c = 0; c < 3; c++) greys[i].light[c] = greys[i].value;
+    ffp_fit_greys(&response, greys, 6, true, errors);
+    assert_true(errors[0] < 1e-6);
+    assert_float_equal(response.gamma[1], 1, 1e-4);
+}
+
 // Colours at their limits only: nothing is said about what lies between.
 static void test_saturated_pattern(void **state) {
     (void)state;
@@ -146,6 +174,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_lit_room, setup, teardown),
         cmocka_unit_test_setup_teardown(test_as_rendered, setup, teardown),
         cmocka_unit_test(test_apply),
+        cmocka_unit_test(test_greys),
         cmocka_unit_test_setup_teardown(test_saturated_pattern, setup, teardown),
         cmocka_unit_test_setup_teardown(test_unlit, setup, teardown),
     };

@@ -2,10 +2,12 @@
 // refused.
 // Labels: slow
 #include <math.h>
+#include "core/base/alloc.h"
 #include "core/image/lookup.h"
+#include "named.h"
 #include "rig/optics/matrix.h"
 #include "rig/turntable/fit_axis.h"
-#include "support.h"
+#include "rig/turntable/turntable.h"
 
 #define DEGREE (3.14159265358979323846 / 180)
 
@@ -50,6 +52,20 @@ static bool fit(const FfpAxis *guess) {
 static void must_fail(const FfpAxis *guess, const char *what) {
     assert_false(fit(guess));
     assert_non_null(strstr(err.text, what));
+    assert_non_null(strstr(err.text, "turntable.axis"));
+}
+
+static bool fit_call(void *guess, FfpError *out) {
+    const bool ok = fit(guess);
+    *out = err;
+    return ok;
+}
+
+static void must_refuse_by(const FfpAxis *guess, FfpRuleId rule) {
+    char said[4096];
+    FfpAxis copy = *guess;
+    err = must_refuse(fit_call, &copy, rule, said);
+    must_be(&err, rule);
     assert_non_null(strstr(err.text, "turntable.axis"));
 }
 
@@ -118,15 +134,14 @@ static void test_wrong_angles(void **state) {
     (void)state;
     SAME_WAY_AGAIN();
     for (int v = 0; v < capture.n_views; v++) angles[v] = -77.0 * v;
-    must_fail(&truth, "check the");
-    assert_non_null(strstr(err.text, "angles"));
+    must_refuse_by(&truth, FFP_RULE_OUTLINES_NO_AXIS);
 }
 
 static void test_empty_masks(void **state) {
     (void)state;
     for (int v = 0; v < capture.n_views; v++)
         for (int i = 0; i < 128 * 128; i++) capture.views[v].coverage.data[i] = 0;
-    must_fail(&truth, "check the masks");
+    must_refuse_by(&truth, FFP_RULE_OUTLINES_FEW);
 }
 
 // The projected picture differs from the file.
@@ -138,7 +153,7 @@ static void test_wrong_pattern(void **state) {
     const FfpImage kept = capture.patterns[active].image;
     capture.patterns[active].image = capture.patterns[other].image;
     capture.patterns[other].image = kept;
-    must_fail(&truth, "does not determine the object's distance");
+    must_refuse_by(&truth, FFP_RULE_DISTANCE_OPEN);
 }
 
 static void test_projector_elsewhere(void **state) {
@@ -147,7 +162,7 @@ static void test_projector_elsewhere(void **state) {
     double kept[16];
     memcpy(kept, p2c, sizeof kept);
     for (int i = 0; i < 3; i++) p2c[4 * i] = -p2c[4 * i], p2c[4 * i + 2] = -p2c[4 * i + 2];
-    must_fail(&truth, "does not reach the object at any distance");
+    must_refuse_by(&truth, FFP_RULE_PROJECTOR_MISSES);
     memcpy(p2c, kept, sizeof kept);
 }
 
@@ -189,7 +204,32 @@ static void test_round_object(void **state) {
     for (int i = 0; i < 128 * 128; i++) draw_ball_pixel(i, 0.7, c2p, &pattern, active);
     ffp_summed_free(&pattern);
     const FfpAxis guess = {{0.2, -0.95, 0.2}, {0, 0, 3}};
-    must_fail(&guess, "do not determine the axis");
+    must_refuse_by(&guess, FFP_RULE_AXIS_OPEN);
+}
+
+static bool find_call(void *guess, FfpError *out) {
+    FfpImportTurntable given = {.guessed = true};
+    FfpCalibration calibration = {.n_stops = capture.n_views};
+    const FfpAxis *axis = guess;
+    calibration.stops = ffp_alloc((size_t)capture.n_views, sizeof *calibration.stops);
+    memcpy(given.axis, axis->direction, sizeof given.axis);
+    memcpy(given.point, axis->point, sizeof given.point);
+    memcpy(calibration.p2c, p2c, sizeof p2c);
+    for (int v = 0; v < capture.n_views; v++) calibration.stops[v].angle = angles[v];
+    const bool ok = ffp_turntable_find(&given, &calibration, &capture, out);
+    ffp_free(calibration.stops);
+    return ok;
+}
+
+// Holes in three masks: the axis is found by the others.
+static void test_holes_in_masks(void **state) {
+    (void)state;
+    char said[4096];
+    for (int v = 0; v < 6; v += 2)
+        for (int y = 41; y < 80; y++)
+            for (int x = 31; x < 60; x++) capture.views[v].coverage.data[128 * y + x] = 0;
+    err = must_refuse(find_call, &truth, FFP_RULE_AXIS_CONTRADICTS, said);
+    must_be(&err, FFP_RULE_AXIS_CONTRADICTS);
 }
 
 int main(void) {
@@ -205,6 +245,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_wrong_pattern, setup, teardown),
         cmocka_unit_test_setup_teardown(test_projector_elsewhere, setup, teardown),
         cmocka_unit_test_setup_teardown(test_round_object, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_holes_in_masks, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,6 +11,14 @@ static void sigmoids_backward(const real *restrict out, real *restrict grad, int
     for (int64_t i = 0; i < count; i++) grad[i] *= ffp_number_sigmoid_slope(out[i]);
 }
 
+static void squares(const real *restrict number, real *restrict out, int64_t count) {
+    for (int64_t i = 0; i < count; i++) out[i] = number[i] * number[i];
+}
+
+static void squares_backward(const real *restrict number, real *restrict grad, int64_t count) {
+    for (int64_t i = 0; i < count; i++) grad[i] *= 2 * number[i];
+}
+
 void FFP_K(decode)(const FfpParameters *p, int64_t begin, int64_t count, const FfpGaussians *out) {
     const FfpGaussians *n = &p->numbers;
     const int64_t colours = 3 * begin;
@@ -22,6 +30,7 @@ void FFP_K(decode)(const FfpParameters *p, int64_t begin, int64_t count, const F
     for (int64_t i = 0; i < count; i++) roughness[i] = ffp_roughness_of(rough[i]);
     sigmoids(n->albedo + colours, out->albedo + colours, 3 * count);
     sigmoids(n->ambient + colours, out->ambient + colours, 3 * count);
+    squares(n->scattered + colours, out->scattered + colours, 3 * count);
     sigmoids(n->opacity + begin, out->opacity + begin, count);
     for (int64_t i = begin; i < begin + count; i++) ffp_decode_frame(p, i, out);
 }
@@ -35,6 +44,7 @@ void FFP_K(pull_back)(const FfpParameters *p, const FfpGaussians *decoded, int64
     for (int64_t i = 0; i < count; i++) d_roughness[i] *= ffp_roughness_slope(roughness[i]);
     sigmoids_backward(decoded->albedo + colours, grad->albedo + colours, 3 * count);
     sigmoids_backward(decoded->ambient + colours, grad->ambient + colours, 3 * count);
+    squares_backward(p->numbers.scattered + colours, grad->scattered + colours, 3 * count);
     sigmoids_backward(decoded->opacity + begin, grad->opacity + begin, count);
     for (int64_t i = begin; i < begin + count; i++) ffp_pull_back_frame(p, decoded, i, grad);
 }

@@ -18,7 +18,7 @@ ALWAYS_INLINE void blend_block(const FfpSplat *splats, const int32_t *batch, con
         if (channels > FFP_SHADOW_CHANNELS)
             s.distortion += 2 * w * (splat->value[FFP_CHANNEL_DEPTH] * s.value[0] - s.value[1]);
         s.value[0] += w;
-        FFP_UNROLL(12)
+        FFP_UNROLL(16)
         for (int k = 1; k < channels; k++) s.value[k] += splat->value[k] * w;
         if (i % 8 == 7 && !lanes_positive(s.transmittance)) break;
     }
@@ -29,7 +29,7 @@ ALWAYS_INLINE void blend_block(const FfpSplat *splats, const int32_t *batch, con
 ALWAYS_INLINE void write_pixels(const Sums *sums, int lane, int64_t pixel, const int count,
                                 const int channels, FfpGbuffer *out) {
     const Planes planes = gbuffer_planes(out, channels);
-    FFP_UNROLL(12)
+    FFP_UNROLL(16)
     for (int k = 0; k < channels; k++)
         for (int l = 0; l < count; l++)
             planes.plane[k][(pixel + l) * planes.stride[k]] = sums->value[k][lane + l];
@@ -94,8 +94,10 @@ void FFP_K(blend_tile)(const FfpRaster *raster, int t, int channels, FfpGbuffer 
     const Tile tile = find_tile(raster, t);
     if (tile.count == 0)
         clear_tile(raster, &tile, channels, out);
-    else if (channels > FFP_SHADOW_CHANNELS)
+    else if (channels == FFP_CHANNELS)
         blend_channels(raster, &tile, FFP_CHANNELS, out);
+    else if (channels == FFP_DIRECT_CHANNELS)
+        blend_channels(raster, &tile, FFP_DIRECT_CHANNELS, out);
     else
         blend_channels(raster, &tile, FFP_SHADOW_CHANNELS, out);
 }

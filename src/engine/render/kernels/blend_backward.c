@@ -19,6 +19,13 @@ typedef struct Pixels {
     Row channels[LANES]; // grad again, pixel by pixel
 } Pixels;
 
+// Known when this is compiled: whether the loss has a gradient by the distortion, and how many channels are
+// blended.
+typedef struct Form {
+    bool spreads;
+    int channels;
+} Form;
+
 // A splat's gradient at a block's pixels: dL/dsigma, weight, and the distortion's share of w dL/dz.
 typedef struct Local {
     Lanes g, weight, depth;
@@ -51,8 +58,8 @@ static Monomials lane_monomials(void) {
 
 // `count` pixels from `pixel` on into the block's lanes from `lane` on.
 ALWAYS_INLINE void load_pixels(const FfpGbuffer *out, const FfpGbuffer *grad, int64_t pixel, int lane,
-                               const int count, Pixels *p) {
-    const Planes values = gbuffer_planes(out, FFP_CHANNELS), grads = gbuffer_planes(grad, FFP_CHANNELS);
+                               const int count, const int channels, Pixels *p) {
+    const Planes values = gbuffer_planes(out, channels), grads = gbuffer_planes(grad, channels);
     // The distortion is of second degree in w, the rest of first: sum w dL/dw, by Euler.
     for (int l = 0; l < count; l++) {
         p->spread[lane + l] = 2 * grad->distortion[pixel + l];
@@ -60,8 +67,8 @@ ALWAYS_INLINE void load_pixels(const FfpGbuffer *out, const FfpGbuffer *grad, in
         p->opacity[lane + l] = out->opacity[pixel + l];
         p->depth[lane + l] = out->depth[pixel + l];
     }
-    FFP_UNROLL(12)
-    for (int k = 0; k < FFP_CHANNELS; k++)
+    FFP_UNROLL(16)
+    for (int k = 0; k < channels; k++)
         for (int l = 0; l < count; l++) {
             const int64_t at = (pixel + l) * grads.stride[k];
             p->grad[k][lane + l] = p->channels[lane + l][k] = grads.plane[k][at];
@@ -69,16 +76,16 @@ ALWAYS_INLINE void load_pixels(const FfpGbuffer *out, const FfpGbuffer *grad, in
         }
 }
 
-static void load_block(const FfpRaster *raster, const Tile *tile, int b, const FfpGbuffer *out,
-                       const FfpGbuffer *grad, Pixels *p) {
+ALWAYS_INLINE void load_block(const FfpRaster *raster, const Tile *tile, int b, const FfpGbuffer *out,
+                              const FfpGbuffer *grad, const int channels, Pixels *p) {
     const int x = lane_x(b, 0), wide = tile->width - x < BLOCK_WIDTH ? tile->width - x : BLOCK_WIDTH;
     for (int row = 0; row < BLOCK_HEIGHT && lane_y(b, row * BLOCK_WIDTH) < tile->height; row++) {
         const int lane = row * BLOCK_WIDTH;
         const int64_t pixel = (int64_t)(tile->y0 + lane_y(b, lane)) * raster->width + tile->x0 + x;
         if (wide == BLOCK_WIDTH)
-            load_pixels(out, grad, pixel, lane, BLOCK_WIDTH, p);
+            load_pixels(out, grad, pixel, lane, BLOCK_WIDTH, channels, p);
         else
-            load_pixels(out, grad, pixel, lane, wide, p);
+            load_pixels(out, grad, pixel, lane, wide, channels, p);
     }
 }
 
@@ -105,18 +112,17 @@ ALWAYS_INLINE void cover_batch(const FfpSplat *splats, const int32_t *batch, con
 }
 
 // dL/dalpha_i = T_i dL/dw_i - sum_{j>i} w_j dL/dw_j / (1 - alpha_i).
-// spreads: the loss has a gradient by the distortion.
 ALWAYS_INLINE Local splat_in_block(const FfpSplat *s, const Covering *c, int i, real firmness,
-                                   const bool spreads, Pixels *p) {
+                                   const Form form, Pixels *p) {
     const Lanes none = {0}, alpha = c->alpha[i], before = c->before[i], density = c->density[i];
     const real z = s->value[FFP_CHANNEL_DEPTH];
     Local d;
     Lanes slope = p->grad[0];
-    FFP_UNROLL(12)
-    for (int k = 1; k < FFP_CHANNELS; k++) slope += s->value[k] * p->grad[k];
+    FFP_UNROLL(16)
+    for (int k = 1; k < form.channels; k++) slope += s->value[k] * p->grad[k];
     const Lanes w = d.weight = alpha * before;
     Lanes dw = slope;
-    if (spreads) {
+    if (form.spreads) {
         // weight in front less weight behind
         const Lanes balance = 2 * p->opacity_so_far + w - p->opacity;
         dw += p->spread * (z * (balance - w) + p->depth - 2 * p->depth_so_far);
@@ -189,43 +195,45 @@ static int64_t slot_of(const FfpRaster *raster, int32_t s, const Tile *tile) {
 
 // A batch's splats in one block: adds to their sums.
 ALWAYS_INLINE void add_block(const FfpSplat *splats, const int32_t *batch, const Tile *tile, int b,
-                             const Covering *c, const Monomials *monomials, const bool spreads,
-                             Pixels *pixels, Gathered *sums) {
+                             const Covering *c, const Monomials *monomials, const Form form, Pixels *pixels,
+                             Gathered *sums) {
     const real middle_x = (real)(tile->x0 + lane_x(b, 0)) + (0.5F + MIDDLE_X);
     const real middle_y = (real)(tile->y0 + lane_y(b, 0)) + (0.5F + MIDDLE_Y);
     for (int i = 0; i < c->count; i++) {
         const FfpSplat *s = &splats[batch[c->place[i]]];
         Gathered *sum = &sums[c->place[i]];
-        const Local d = splat_in_block(s, c, i, tile->firmness, spreads, pixels);
+        const Local d = splat_in_block(s, c, i, tile->firmness, form, pixels);
         sum->touched = true;
-        gather_block(&d, c->lanes[i], spreads, pixels->channels, monomials, s->x - middle_x, s->y - middle_y,
-                     sum);
+        gather_block(&d, c->lanes[i], form.spreads, pixels->channels, monomials, s->x - middle_x,
+                     s->y - middle_y, sum);
     }
 }
 
-static void block_backward(const FfpSplat *splats, const int32_t *batch, const Tile *tile, int b,
-                           const Covering *c, const Monomials *monomials, Pixels *pixels, Gathered *sums) {
+ALWAYS_INLINE void block_backward(const FfpSplat *splats, const int32_t *batch, const Tile *tile, int b,
+                                  const Covering *c, const Monomials *monomials, const int channels,
+                                  Pixels *pixels, Gathered *sums) {
     const unsigned spreads = lanes_positive(pixels->spread) | lanes_positive(-pixels->spread);
     if (spreads)
-        add_block(splats, batch, tile, b, c, monomials, true, pixels, sums);
+        add_block(splats, batch, tile, b, c, monomials, (Form){true, channels}, pixels, sums);
     else
-        add_block(splats, batch, tile, b, c, monomials, false, pixels, sums);
+        add_block(splats, batch, tile, b, c, monomials, (Form){false, channels}, pixels, sums);
 }
 
-static void fill_slot(const Gathered *sum, FfpSplatGrad *slot) {
+static void fill_slot(const Gathered *sum, int channels, FfpSplatGrad *slot) {
     slot->g = sum->g;
     slot->gx = sum->gx;
     slot->gy = sum->gy;
     slot->gxx = sum->gxx;
     slot->gxy = sum->gxy;
     slot->gyy = sum->gyy;
-    for (int k = 1; k < FFP_CHANNELS; k++) slot->value[k] = sum->value[k];
+    for (int k = 1; k < channels; k++) slot->value[k] = sum->value[k];
     slot->value[FFP_CHANNEL_DEPTH] = sum->value[FFP_CHANNEL_DEPTH] + sum->depth;
 }
 
 // Splats [first, first + count) of the tile's order.
-static void batch_backward(FfpRaster *raster, const Tile *tile, int64_t first, int count, uint64_t open,
-                           const Monomials *monomials, Pixels *pixels) {
+ALWAYS_INLINE void batch_backward(FfpRaster *raster, const Tile *tile, int64_t first, int count,
+                                  uint64_t open, const Monomials *monomials, const int channels,
+                                  Pixels *pixels) {
     const int32_t *batch = tile->order + first;
     Gathered sums[BATCH];
     Covering covering;
@@ -236,12 +244,12 @@ static void batch_backward(FfpRaster *raster, const Tile *tile, int64_t first, i
         if (!lists.count[b]) continue;
         cover_batch(raster->splats, batch, lists.place[b], lists.count[b], block_columns(tile, b),
                     block_rows(tile, b), tile->firmness, &pixels[b].transmittance, &covering);
-        block_backward(raster->splats, batch, tile, b, &covering, monomials, &pixels[b], sums);
+        block_backward(raster->splats, batch, tile, b, &covering, monomials, channels, &pixels[b], sums);
     }
     for (int i = 0; i < count; i++) {
         if (!sums[i].touched) continue;
         const int64_t slot = slot_of(raster, batch[i], tile);
-        fill_slot(&sums[i], &raster->slots[slot]);
+        fill_slot(&sums[i], channels, &raster->slots[slot]);
         raster->touched[slot] = true;
     }
 }
@@ -253,20 +261,28 @@ static uint64_t find_open(const Pixels *pixels) {
     return open;
 }
 
-void FFP_K(blend_tile_backward)(FfpRaster *raster, int t, const FfpGbuffer *out, const FfpGbuffer *grad) {
-    const Tile tile = find_tile(raster, t);
-    if (tile.count == 0) return;
+ALWAYS_INLINE void channels_backward(FfpRaster *raster, const Tile *tile, const FfpGbuffer *out,
+                                     const FfpGbuffer *grad, const int channels) {
     Pixels pixels[BLOCKS];
     memset(pixels, 0, sizeof pixels);
     for (int b = 0; b < BLOCKS; b++) {
-        pixels[b].transmittance = start_transmittance(raster, &tile, b);
-        load_block(raster, &tile, b, out, grad, &pixels[b]);
+        pixels[b].transmittance = start_transmittance(raster, tile, b);
+        load_block(raster, tile, b, out, grad, channels, &pixels[b]);
     }
     const Monomials monomials = lane_monomials();
-    for (int64_t first = 0; first < tile.count; first += BATCH) {
+    for (int64_t first = 0; first < tile->count; first += BATCH) {
         const uint64_t open = find_open(pixels);
         if (!open) break;
-        const int count = tile.count - first < BATCH ? (int)(tile.count - first) : BATCH;
-        batch_backward(raster, &tile, first, count, open, &monomials, pixels);
+        const int count = tile->count - first < BATCH ? (int)(tile->count - first) : BATCH;
+        batch_backward(raster, tile, first, count, open, &monomials, channels, pixels);
     }
+}
+
+void FFP_K(blend_tile_backward)(FfpRaster *raster, int t, const FfpGbuffer *out, const FfpGbuffer *grad) {
+    const Tile tile = find_tile(raster, t);
+    if (tile.count == 0) return;
+    if (raster->channels == FFP_CHANNELS)
+        channels_backward(raster, &tile, out, grad, FFP_CHANNELS);
+    else
+        channels_backward(raster, &tile, out, grad, FFP_DIRECT_CHANNELS);
 }

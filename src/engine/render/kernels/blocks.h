@@ -23,12 +23,13 @@ typedef struct Planes {
 } Planes;
 
 static inline Planes gbuffer_planes(const FfpGbuffer *g, int channels) {
-    Planes p = {.plane = {g->opacity, g->depth}, .stride = {1, 1, 3, 3, 3, 3, 3, 3, 1, 3, 3, 3}};
+    Planes p = {.plane = {g->opacity, g->depth}, .stride = {1, 1, 3, 3, 3, 3, 3, 3, 1, 3, 3, 3, 3, 3, 3}};
     if (channels <= FFP_SHADOW_CHANNELS) return p;
     for (int k = 0; k < 3; k++) {
         p.plane[FFP_CHANNEL_NORMAL + k] = g->normal + k;
         p.plane[FFP_CHANNEL_ALBEDO + k] = g->albedo + k;
         p.plane[FFP_CHANNEL_AMBIENT + k] = g->ambient + k;
+        if (channels == FFP_CHANNELS) p.plane[FFP_CHANNEL_SCATTERED + k] = g->scattered + k;
     }
     p.plane[FFP_CHANNEL_ROUGHNESS] = g->roughness;
     return p;

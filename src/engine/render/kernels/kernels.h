@@ -25,7 +25,7 @@ typedef void FfpBlendTileBackward(FfpRaster *raster, int tile, const FfpGbuffer 
 // Operands of ffp_shade_backward, read and added to.
 typedef struct FfpShadeGrad {
     const FfpImage *image;
-    real *ambient;
+    real *ambient, *scattered; // the latter or NULL
     FfpTransport *transport;
     FfpSummed *pattern; // or NULL
 } FfpShadeGrad;
@@ -48,7 +48,7 @@ typedef void FfpFocalChunk(const FfpRaster *raster, const FfpGaussians *gaussian
 typedef void FfpLightRow(const FfpLitScene *scene, int y, FfpTransport *out);
 typedef void FfpLightRowBackward(const FfpLitScene *scene, int y, const FfpTransport *grad,
                                  FfpGbuffer *grad_gbuffer);
-typedef void FfpShadeRow(const FfpPatternLight *light, int y, const real *ambient, FfpImage *out);
+typedef void FfpShadeRow(const FfpPatternLight *light, int y, const FfpGbuffer *gbuffer, FfpImage *out);
 typedef void FfpShadeRowBackward(const FfpPatternLight *light, int y, const FfpShadeGrad *grad,
                                  real grad_intensity[3]);
 typedef void FfpMapRow(const FfpMapper *mapper, int y, FfpMapping *out);

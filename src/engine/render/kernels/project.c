@@ -59,14 +59,16 @@ static void see_group(const Batch *in, int group, const View *view, Seen *seen) 
 }
 
 static FfpSplat make_splat(const Seen *seen, int l, const FfpGaussians *g, int64_t i) {
-    const real *albedo = g->albedo + 3 * i, *ambient = g->ambient + 3 * i;
+    static const real none[3] = {0};
+    const real *albedo = g->albedo + 3 * i, *ambient = g->ambient + 3 * i,
+               *scattered = g->scatters ? g->scattered + 3 * i : none;
     return (FfpSplat){.x = seen->x.at[l],
                       .y = seen->y.at[l],
                       .power = {seen->power[0].at[l], seen->power[1].at[l], seen->power[2].at[l]},
                       .opacity = seen->opacity.at[l],
                       .value = {1, seen->depth.at[l], seen->normal[0].at[l], seen->normal[1].at[l],
                                 seen->normal[2].at[l], albedo[0], albedo[1], albedo[2], g->roughness[i],
-                                ambient[0], ambient[1], ambient[2]},
+                                ambient[0], ambient[1], ambient[2], scattered[0], scattered[1], scattered[2]},
                       .gaussian = (int32_t)i,
                       .x0 = (int32_t)seen->x0.at[l],
                       .y0 = (int32_t)seen->y0.at[l],

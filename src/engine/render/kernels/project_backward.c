@@ -147,7 +147,7 @@ static bool sum_slots(const FfpRaster *raster, int32_t s, FfpSplatGrad *sum) {
         sum->gxx += part->gxx;
         sum->gxy += part->gxy;
         sum->gyy += part->gyy;
-        for (int k = 1; k < FFP_CHANNELS; k++) sum->value[k] += part->value[k];
+        for (int k = 1; k < raster->channels; k++) sum->value[k] += part->value[k];
     }
     return any;
 }
@@ -190,6 +190,8 @@ void FFP_K(project_chunk_backward)(const FfpRaster *raster, const FfpGaussians *
         for (int k = 0; k < 3; k++) {
             grad->albedo[3 * i + k] += sum.value[FFP_CHANNEL_ALBEDO + k];
             grad->ambient[3 * i + k] += sum.value[FFP_CHANNEL_AMBIENT + k];
+            if (raster->channels == FFP_CHANNELS)
+                grad->scattered[3 * i + k] += sum.value[FFP_CHANNEL_SCATTERED + k];
         }
         grad->roughness[i] += sum.value[FFP_CHANNEL_ROUGHNESS];
         add_to_grads(&sum, batch.count, &d);

@@ -131,10 +131,11 @@ void FFP_K(light_row_backward)(const FfpLitScene *scene, int y, const FfpTranspo
     }
 }
 
-void FFP_K(shade_row)(const FfpPatternLight *light, int y, const real *ambient, FfpImage *out) {
+void FFP_K(shade_row)(const FfpPatternLight *light, int y, const FfpGbuffer *gbuffer, FfpImage *out) {
     for (int x = 0; x < out->width; x++) {
         const ptrdiff_t p = (ptrdiff_t)y * out->width + x;
-        ffp_shade_pixel(light, x, y, ambient + 3 * p, out->data + 3 * p);
+        ffp_shade_pixel(light, x, y, gbuffer->ambient + 3 * p,
+                        gbuffer->scattered ? gbuffer->scattered + 3 * p : NULL, out->data + 3 * p);
     }
 }
 
@@ -161,6 +162,7 @@ void FFP_K(shade_row_backward)(const FfpPatternLight *light, int y, const FfpSha
         const real *d = grad->image->data + 3 * p;
         if (d[0] == 0 && d[1] == 0 && d[2] == 0) continue;
         for (int k = 0; k < 3; k++) grad->ambient[3 * p + k] += d[k];
+        for (int k = 0; grad->scattered && k < 3; k++) grad->scattered[3 * p + k] += light->level[k] * d[k];
         if (light->pattern) shade_pixel_backward(light, x, y, d, grad, grad_intensity);
     }
 }

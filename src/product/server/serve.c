@@ -15,6 +15,7 @@
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
+#include "product/studio/disk.h"
 #include "work.h"
 
 #define BODY_MOST ((size_t)1 << 26)              // bytes of a photograph
@@ -37,12 +38,12 @@ typedef struct Request {
     bool refused, waited;
 } Request;
 
-typedef struct Server {
-    FfpStudio *studio;
+typedef struct Service {
+    FfpStudioServer *server;
     size_t uploading;                             // bytes; the server's one thread alone counts them
     struct MHD_Connection *waiting[WAITING_MOST]; // for control from outside; with the lock
     int n_waiting;
-} Server;
+} Service;
 
 // --- Answers. ---
 
@@ -90,36 +91,36 @@ static const char *header(struct MHD_Connection *connection, const char *name) {
 }
 
 // "127.0.0.1:PORT" or "localhost:PORT"; `before` stands before it.
-static bool is_here(const FfpStudio *studio, const char *text, const char *before) {
+static bool is_here(const FfpStudioServer *server, const char *text, const char *before) {
     char here[64];
     const char *const names[] = {"127.0.0.1", "localhost"};
     for (int i = 0; text && i < 2; i++) {
-        snprintf(here, sizeof here, "%s%s:%d", before, names[i], studio->port);
+        snprintf(here, sizeof here, "%s%s:%d", before, names[i], server->port);
         if (strcasecmp(text, here) == 0) return true;
     }
     return false;
 }
 
 // The rest of a path behind the key, in a time that does not tell how much of it was right; NULL: another.
-static const char *behind_key(const FfpStudio *studio, const char *url) {
-    const size_t length = sizeof studio->token - 1;
+static const char *behind_key(const FfpStudioServer *server, const char *url) {
+    const size_t length = sizeof server->token - 1;
     unsigned differs = 0;
     if (strlen(url) < length + 2) return NULL;
     for (size_t i = 0; i < length; i++)
-        differs |= (unsigned char)url[i + 1] ^ (unsigned char)studio->token[i];
+        differs |= (unsigned char)url[i + 1] ^ (unsigned char)server->token[i];
     return differs == 0 && url[0] == '/' && url[length + 1] == '/' ? url + length + 2 : NULL;
 }
 
 // The fault of a request; NULL: none.
-static const char *refusal(const FfpStudio *studio, struct MHD_Connection *connection, const char *url,
+static const char *refusal(const FfpStudioServer *server, struct MHD_Connection *connection, const char *url,
                            bool changes) {
     const char *origin = header(connection, "Origin"), *site = header(connection, "Sec-Fetch-Site");
-    if (!is_here(studio, header(connection, "Host"), "")) return "this is not the address of the studio";
-    if (origin && !is_here(studio, origin, "http://")) return "another page may not ask the studio";
+    if (!is_here(server, header(connection, "Host"), "")) return "this is not the address of the studio";
+    if (origin && !is_here(server, origin, "http://")) return "another page may not ask the studio";
     if (changes && !origin) return "a request that changes something must say where it comes from";
     if (site && strcmp(site, "same-origin") != 0 && strcmp(site, "none") != 0)
         return "another site may not ask the studio";
-    return behind_key(studio, url) ? NULL : "the address lacks its key: open the one that the studio printed";
+    return behind_key(server, url) ? NULL : "the address lacks its key: open the one that the studio printed";
 }
 
 // --- Files of the folder. ---
@@ -148,12 +149,13 @@ static bool is_own_page(const char *path) {
             (strcmp(last, "/view.html") == 0 || strcmp(last, "/report.html") == 0));
 }
 
-static enum MHD_Result answer_file(FfpStudio *studio, struct MHD_Connection *connection, const char *path) {
+static enum MHD_Result answer_file(FfpStudioServer *server, struct MHD_Connection *connection,
+                                   const char *path) {
     struct stat about;
     const char *type = ffp_studio_path(path) ? type_of(path) : NULL;
     if (!type || (strcmp(type_of(path), "text/html; charset=utf-8") == 0 && !is_own_page(path)))
         return answer_text(connection, MHD_HTTP_NOT_FOUND, "there is no such file");
-    const int file = ffp_studio_open(studio, path);
+    const int file = ffp_studio_open(&server->studio, path);
     if (file < 0 || fstat(file, &about) != 0 || !S_ISREG(about.st_mode)) {
         if (file >= 0) close(file);
         return answer_text(connection, MHD_HTTP_NOT_FOUND, "there is no such file");
@@ -170,95 +172,76 @@ static enum MHD_Result answer_file(FfpStudio *studio, struct MHD_Connection *con
 // --- Control from outside. ---
 
 // Answers as soon as there are messages; until then the connection sleeps.
-static enum MHD_Result answer_control(Server *server, struct MHD_Connection *connection, Request *request) {
-    FfpStudio *studio = server->studio;
+static enum MHD_Result answer_control(Service *service, struct MHD_Connection *connection, Request *request) {
+    FfpStudioServer *server = service->server;
     const char *known = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "known");
     const uint64_t number = known ? strtoull(known, NULL, 10) : UINT64_MAX;
-    pthread_mutex_lock(&studio->lock);
-    const bool sleeps = known && number == studio->controlled && studio->osc >= 0 && !request->waited &&
-                        !studio->closing && server->n_waiting < WAITING_MOST;
-    json_t *events = sleeps ? NULL : ffp_studio_controls(studio, number);
+    pthread_mutex_lock(&server->lock);
+    const bool sleeps = known && number == server->controlled && server->osc >= 0 && !request->waited &&
+                        !server->studio.closing && service->n_waiting < WAITING_MOST;
+    json_t *events = sleeps ? NULL : ffp_server_controls(server, number);
     if (sleeps) {
         request->waited = true;
         MHD_suspend_connection(connection);
-        server->waiting[server->n_waiting++] = connection;
+        service->waiting[service->n_waiting++] = connection;
     }
-    pthread_mutex_unlock(&studio->lock);
+    pthread_mutex_unlock(&server->lock);
     return sleeps ? MHD_YES : answer_json(connection, MHD_HTTP_OK, events);
 }
 
 // With the lock.
-static void wake(Server *server) {
-    for (int i = 0; i < server->n_waiting; i++) MHD_resume_connection(server->waiting[i]);
-    server->n_waiting = 0;
+static void wake(Service *service) {
+    for (int i = 0; i < service->n_waiting; i++) MHD_resume_connection(service->waiting[i]);
+    service->n_waiting = 0;
 }
 
 // --- Requests. ---
 
-static enum MHD_Result answer_get(Server *server, struct MHD_Connection *connection, const char *path,
+static enum MHD_Result answer_get(Service *service, struct MHD_Connection *connection, const char *path,
                                   Request *request) {
-    FfpStudio *studio = server->studio;
+    FfpStudioServer *server = service->server;
     if (!*path) return answer_page(connection, ffp_page_studio, ffp_page_studio_size);
     if (strcmp(path, "projector") == 0)
         return answer_page(connection, ffp_page_projector, ffp_page_projector_size);
-    if (strncmp(path, "file/", 5) == 0) return answer_file(studio, connection, path + 5);
-    if (strcmp(path, "control") == 0) return answer_control(server, connection, request);
+    if (strncmp(path, "file/", 5) == 0) return answer_file(server, connection, path + 5);
+    if (strcmp(path, "control") == 0) return answer_control(service, connection, request);
     if (strcmp(path, "state") != 0)
         return answer_text(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
     const char *known = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "known");
-    pthread_mutex_lock(&studio->lock);
-    if (!known) ffp_studio_changed(studio); // a page that begins
-    const bool same = known && strtoull(known, NULL, 10) == studio->version;
-    json_t *state = same ? json_object() : ffp_studio_state(studio);
-    pthread_mutex_unlock(&studio->lock);
+    pthread_mutex_lock(&server->lock);
+    if (!known) ffp_studio_changed(&server->studio); // a page that begins
+    const bool same = known && strtoull(known, NULL, 10) == server->studio.version;
+    json_t *state = same ? json_object() : ffp_studio_state(&server->studio);
+    pthread_mutex_unlock(&server->lock);
     return answer_json(connection, MHD_HTTP_OK, state);
 }
 
-static bool store(FfpStudio *studio, struct MHD_Connection *connection, const Request *request, char *said) {
-    const char *set = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "set"),
-               *number = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "number");
-    char *end;
-    const long shot = number ? strtol(number, &end, 10) : -1;
-    if (!set || !number || *end || shot < 0 || shot > 999)
-        return ffp_studio_say(said, "a photograph needs its set and its number");
-    return ffp_studio_store(studio, set, (int)shot, request->body ? request->body : "", request->size, said);
-}
-
-static enum MHD_Result answer_post(Server *server, struct MHD_Connection *connection, const char *path,
-                                   const Request *request) {
-    FfpStudio *studio = server->studio;
-    char said[FFP_STUDIO_SAID] = "";
+static enum MHD_Result answer_post(FfpStudioServer *server, struct MHD_Connection *connection,
+                                   const char *path, const Request *request) {
+    const enum MHD_ValueKind where = MHD_GET_ARGUMENT_KIND;
+    const FfpStudioRequest asked = {.path = path,
+                                    .set = MHD_lookup_connection_value(connection, where, "set"),
+                                    .number = MHD_lookup_connection_value(connection, where, "number"),
+                                    .watch = MHD_lookup_connection_value(connection, where, "watch"),
+                                    .body = request->body ? request->body : "",
+                                    .size = request->size};
     bool ok;
-    pthread_mutex_lock(&studio->lock);
-    if (strcmp(path, "photograph") == 0) {
-        ok = store(studio, connection, request, said);
-    } else if (strcmp(path, "own") == 0) {
-        const char *watch = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "watch");
-        ok = ffp_studio_store_own(studio, watch && strcmp(watch, "true") == 0,
-                                  request->body ? request->body : "", request->size, said);
-    } else {
-        json_t *asked =
-            json_loadb(request->body ? request->body : "", request->size, JSON_REJECT_DUPLICATES, NULL);
-        ok = json_is_object(asked) ? ffp_studio_do(studio, asked, said)
-                                   : ffp_studio_say(said, "this is not JSON");
-        json_decref(asked);
-    }
-    json_t *state = ffp_studio_state(studio);
-    pthread_mutex_unlock(&studio->lock);
-    if (!ok && state) json_object_set_new(state, "error", json_string(said));
+    pthread_mutex_lock(&server->lock);
+    json_t *state = ffp_studio_answer(&server->studio, &asked, &ok);
+    pthread_mutex_unlock(&server->lock);
     return answer_json(connection, ok ? MHD_HTTP_OK : MHD_HTTP_CONFLICT, state);
 }
 
 // More of a body; false: it is too long, or too much is on its way.
-static bool take_in(Server *server, Request *request, const char *bytes, size_t size) {
+static bool take_in(Service *service, Request *request, const char *bytes, size_t size) {
     if (size > request->most - request->size) return false;
     if (request->size + size > request->room) {
         size_t room = request->room > 0 ? 2 * request->room : 1 << 16;
         while (room < request->size + size) room *= 2;
-        if (server->uploading - request->room + room > UPLOADS_MOST) return false;
+        if (service->uploading - request->room + room > UPLOADS_MOST) return false;
         char *body = realloc(request->body, room);
         if (!body) return false;
-        server->uploading += room - request->room;
+        service->uploading += room - request->room;
         request->body = body, request->room = room;
     }
     memcpy(request->body + request->size, bytes, size);
@@ -267,13 +250,13 @@ static bool take_in(Server *server, Request *request, const char *bytes, size_t 
 }
 
 // The head of a request: what can be refused is refused before its body comes.
-static enum MHD_Result begin(Server *server, struct MHD_Connection *connection, const char *url,
+static enum MHD_Result begin(Service *service, struct MHD_Connection *connection, const char *url,
                              const char *method, void **mine) {
     const bool get = strcmp(method, "GET") == 0, post = strcmp(method, "POST") == 0;
     if (!get && !post) return answer_text(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "GET or POST");
-    const char *wrong = refusal(server->studio, connection, url, post);
+    const char *wrong = refusal(service->server, connection, url, post);
     if (wrong) return answer_text(connection, MHD_HTTP_FORBIDDEN, wrong);
-    const char *path = behind_key(server->studio, url), *length = header(connection, "Content-Length");
+    const char *path = behind_key(service->server, url), *length = header(connection, "Content-Length");
     const bool picture = strcmp(path, "photograph") == 0 || strcmp(path, "own") == 0;
     if (post && !picture && strcmp(path, "do") != 0)
         return answer_text(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
@@ -290,27 +273,27 @@ static enum MHD_Result begin(Server *server, struct MHD_Connection *connection, 
 static enum MHD_Result handle(void *argument, struct MHD_Connection *connection, const char *url,
                               const char *method, const char *version, const char *bytes, size_t *size,
                               void **mine) {
-    Server *server = argument;
+    Service *service = argument;
     Request *request = *mine;
     (void)version;
-    if (!request) return begin(server, connection, url, method, mine);
+    if (!request) return begin(service, connection, url, method, mine);
     if (*size > 0) {
-        if (!request->refused && !take_in(server, request, bytes, *size)) request->refused = true;
+        if (!request->refused && !take_in(service, request, bytes, *size)) request->refused = true;
         *size = 0;
         return request->refused ? MHD_NO : MHD_YES; // closes the connection
     }
-    const char *path = behind_key(server->studio, url);
-    return strcmp(method, "GET") == 0 ? answer_get(server, connection, path, request)
-                                      : answer_post(server, connection, path, request);
+    const char *path = behind_key(service->server, url);
+    return strcmp(method, "GET") == 0 ? answer_get(service, connection, path, request)
+                                      : answer_post(service->server, connection, path, request);
 }
 
 static void completed(void *argument, struct MHD_Connection *connection, void **mine,
                       enum MHD_RequestTerminationCode code) {
-    Server *server = argument;
+    Service *service = argument;
     Request *request = *mine;
     (void)connection, (void)code;
     if (!request) return;
-    server->uploading -= request->room;
+    service->uploading -= request->room;
     free(request->body);
     free(request);
     *mine = NULL;
@@ -353,12 +336,28 @@ static int listen_here(int *port) {
     return file;
 }
 
-static struct MHD_Daemon *start(Server *server, int listening) {
+// On the port that was asked for, or that of last time, if it is free: browsers keep a show by the page's
+// address.
+static int listen_again(FfpStudioServer *server) {
+    char said[FFP_STUDIO_SAID];
+    const long long kept = ffp_studio_number(&server->studio, "port", -1, 0);
+    const bool any = server->port == 0;
+    if (any && kept > 0 && kept <= UINT16_MAX) server->port = (int)kept;
+    int listening = listen_here(&server->port);
+    if (listening < 0 && any) server->port = 0, listening = listen_here(&server->port);
+    if (listening >= 0 && server->port != kept) {
+        json_object_set_new(server->studio.settings, "port", json_integer(server->port));
+        ffp_studio_save(&server->studio, said); // or next time has another
+    }
+    return listening;
+}
+
+static struct MHD_Daemon *start(Service *service, int listening) {
     return MHD_start_daemon(MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME, 0,
-                            NULL, NULL, handle, server, MHD_OPTION_LISTEN_SOCKET, listening,
+                            NULL, NULL, handle, service, MHD_OPTION_LISTEN_SOCKET, listening,
                             MHD_OPTION_CONNECTION_LIMIT, (unsigned)CONNECTIONS_MOST,
                             MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)PATIENCE, MHD_OPTION_NOTIFY_COMPLETED,
-                            completed, server, MHD_OPTION_UNESCAPE_CALLBACK, keep_escapes, NULL,
+                            completed, service, MHD_OPTION_UNESCAPE_CALLBACK, keep_escapes, NULL,
                             MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)1 << 15, MHD_OPTION_END);
 }
 
@@ -382,57 +381,55 @@ static int64_t milliseconds(void) {
 }
 
 // Until SIGINT or SIGTERM comes.
-static void wait_for_the_end(Server *server, int signals) {
-    FfpStudio *studio = server->studio;
+static void wait_for_the_end(Service *service, int signals) {
+    FfpStudioServer *server = service->server;
     struct pollfd from[3] = {{.fd = signals, .events = POLLIN},
-                             {.fd = studio->changes, .events = POLLIN},
-                             {.fd = studio->osc, .events = POLLIN}};
+                             {.fd = server->changes, .events = POLLIN},
+                             {.fd = server->osc, .events = POLLIN}};
     for (int64_t over = milliseconds() + WAIT;;) {
         const int64_t left = over - milliseconds();
-        if (poll(from, 3, studio->osc < 0 ? -1 : left > 0 ? (int)left : 0) < 0 && errno != EINTR) return;
+        if (poll(from, 3, server->osc < 0 ? -1 : left > 0 ? (int)left : 0) < 0 && errno != EINTR) return;
         struct signalfd_siginfo which; // read, or it would come again at the end
         if (from[0].revents) return (void)!read(signals, &which, sizeof which);
-        pthread_mutex_lock(&studio->lock);
-        if (from[1].revents) ffp_studio_arrived(studio);
-        if (from[2].revents) ffp_studio_controlled(studio);
+        pthread_mutex_lock(&server->lock);
+        if (from[1].revents) ffp_server_arrived(server);
+        if (from[2].revents) ffp_server_controlled(server);
         if (from[2].revents || milliseconds() >= over) // messages have come, or the wait is over
-            wake(server), over = milliseconds() + WAIT;
-        pthread_mutex_unlock(&studio->lock);
+            wake(service), over = milliseconds() + WAIT;
+        pthread_mutex_unlock(&server->lock);
     }
 }
 
-bool ffp_studio_serve(FfpStudio *studio, bool opens, char said[FFP_STUDIO_SAID]) {
+bool ffp_server_serve(FfpStudioServer *server, bool opens, char said[FFP_STUDIO_SAID]) {
     sigset_t ends, before;
-    Server server = {.studio = studio};
+    Service service = {.server = server};
     char address[128];
     sigemptyset(&ends), sigaddset(&ends, SIGINT), sigaddset(&ends, SIGTERM);
     pthread_sigmask(SIG_BLOCK, &ends, &before);         // the server's threads inherit it
     signal(SIGPIPE, SIG_IGN), signal(SIGXFSZ, SIG_IGN); // they are errors where they happen
     raise_limit();
     const int signals = signalfd(-1, &ends, SFD_CLOEXEC);
-    const int listening = listen_here(&studio->port); // known before the first request comes
-    struct MHD_Daemon *daemon = signals >= 0 && listening >= 0 ? start(&server, listening) : NULL;
+    const int listening = listen_again(server); // the port is known before the first request comes
+    struct MHD_Daemon *daemon = signals >= 0 && listening >= 0 ? start(&service, listening) : NULL;
     if (daemon) {
-        snprintf(address, sizeof address, "http://127.0.0.1:%d/%s/", studio->port, studio->token);
-        printf("%s: open %s (Ctrl-C ends the studio)\n", studio->folder, address);
-        if (studio->osc >= 0) printf("OSC messages over UDP: %s\n", studio->heard);
+        snprintf(address, sizeof address, "http://127.0.0.1:%d/%s/", server->port, server->token);
+        printf("%s: open %s (Ctrl-C ends the studio)\n", server->studio.folder, address);
+        if (server->osc >= 0) printf("OSC messages over UDP: %s\n", server->heard);
         fflush(stdout);
         if (opens) open_browser(address);
-        wait_for_the_end(&server, signals);
+        wait_for_the_end(&service, signals);
     } else {
-        ffp_studio_say(said, "port %d of this machine cannot be served: %s", studio->port, strerror(errno));
+        ffp_studio_say(said, "port %d of this machine cannot be served: %s", server->port, strerror(errno));
     }
-    pthread_mutex_lock(&studio->lock);
-    studio->closing = true;
-    wake(&server);
-    pthread_mutex_unlock(&studio->lock);
+    pthread_mutex_lock(&server->lock);
+    server->studio.closing = true;
+    wake(&service);
+    pthread_mutex_unlock(&server->lock);
     if (daemon)
         MHD_stop_daemon(daemon); // closes the socket, too
     else if (listening >= 0)
         close(listening);
-    ffp_studio_join(studio, &studio->job);
-    ffp_studio_join(studio, &studio->camera);
-    ffp_studio_join(studio, &studio->eye);
+    ffp_server_end_jobs(server);
     if (signals >= 0) close(signals);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     return daemon != NULL;

@@ -1,0 +1,109 @@
+#define _GNU_SOURCE // strverscmp
+#include "scan_names.h"
+#include <dirent.h>
+#include <errno.h>
+#include <glob.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+int ffp_cli_count_entries(const char *folder, bool files) {
+    DIR *directory = opendir(folder);
+    char path[2 * FFP_CLI_PATH];
+    struct stat status;
+    int count = 0;
+    if (!directory) return -1;
+    for (const struct dirent *entry; (entry = readdir(directory));) {
+        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        const bool regular = stat(path, &status) == 0 && S_ISREG(status.st_mode);
+        count += entry->d_name[0] != '.' && (regular || !files);
+    }
+    closedir(directory);
+    return count;
+}
+
+static int check_folder(const char *folder) {
+    FfpError err = {.code = FFP_ERROR_IO};
+    if (strpbrk(folder, "*?[{=\\"))
+        return ffp_cli_usage("scan", "%s: rename the folder: *, ?, [, {, = and \\ have a meaning for import",
+                             folder);
+    if (ffp_cli_count_entries(folder, false) >= 0) return FFP_EXIT_OK;
+    snprintf(err.text, sizeof err.text, "cannot open: %s (%.600s)", strerror(errno), folder);
+    return ffp_cli_fail(&err);
+}
+
+// How much all folders begin with or, `back`, end with behind the `begin` that they begin with.
+static int common(const FfpList *folders, int begin, bool back) {
+    const char *first = folders->values[0];
+    for (int n = 0, length = (int)strlen(first);; n++)
+        for (int i = 0; i < folders->count; i++) {
+            const char *other = folders->values[i];
+            const int others = (int)strlen(other);
+            if (begin + n >= length || begin + n >= others ||
+                (back ? first[length - 1 - n] != other[others - 1 - n] : first[n] != other[n]))
+                return n;
+        }
+}
+
+// Folders that are named after their views, or folders of one name in these: shots/1/gray, shots/2/gray.
+static int name_views(const FfpList *folders, char *images, size_t size) {
+    const char *first = folders->values[0];
+    int begin = common(folders, 0, false);
+    while (begin > 0 && first[begin - 1] != '/') begin--;
+    const char *inner = strchr(first + strlen(first) - common(folders, begin, true), '/');
+    int length = inner ? (int)strlen(inner) : 0;
+    const int after = length;
+    while (length > 0 && inner[length - 1] == '/') length--;
+    for (int i = 0; i < folders->count; i++) {
+        const char *name = folders->values[i] + begin, *slash = strchr(name, '/');
+        if (slash && slash[strspn(slash, "/")] && (int)strlen(slash) != after)
+            return ffp_cli_usage("scan", "%s and %s: the folders of photographs must be in one folder", first,
+                                 folders->values[folders->count - 1]);
+    }
+    snprintf(images, size, "%.*s{view}%.*s/*.*", begin, first, length, inner ? inner : "");
+    return FFP_EXIT_OK;
+}
+
+// As a shell orders them, by their bytes, or naturally: import takes both in natural order.
+static bool ascend(const FfpList *folders) {
+    bool by_bytes = true, naturally = true;
+    for (int i = 1; i < folders->count; i++) {
+        by_bytes = by_bytes && strcmp(folders->values[i - 1], folders->values[i]) < 0;
+        naturally = naturally && strverscmp(folders->values[i - 1], folders->values[i]) < 0;
+    }
+    return by_bytes || naturally;
+}
+
+static int name_stops(const FfpList *folders, char *images, size_t size) {
+    const char *first = folders->values[0];
+    const int begin = common(folders, 0, false), end = common(folders, begin, true);
+    glob_t found = {0};
+    if (!ascend(folders))
+        return ffp_cli_usage("scan",
+                             "%s and others: the folders are not in natural order: with --calibration or "
+                             "--attitudes, angles are given in natural order",
+                             first);
+    int length = snprintf(images, size, "%.*s*%s/", begin, first, first + strlen(first) - end);
+    const bool others = glob(images, 0, NULL, &found) != 0 || found.gl_pathc != (size_t)folders->count;
+    globfree(&found);
+    if (others)
+        return ffp_cli_usage("scan",
+                             "%s: there are more such folders than the %d given: put these into one folder",
+                             images, folders->count);
+    snprintf(images + length, size - (size_t)length, "*.*");
+    return FFP_EXIT_OK;
+}
+
+int ffp_cli_name_photographs(const FfpList *folders, bool by_angle, bool apart, char *images, size_t size) {
+    int status = FFP_EXIT_OK;
+    for (int i = 0; i < folders->count && status == FFP_EXIT_OK; i++)
+        status = check_folder(folders->values[i]);
+    if (status != FFP_EXIT_OK) return status;
+    if (folders->count > 1) return (by_angle ? name_stops : name_views)(folders, images, size);
+    const char *views = by_angle ? "/*" : "/{view}";
+    const int files = ffp_cli_count_entries(folders->values[0], true);
+    if (files == ffp_cli_count_entries(folders->values[0], false) || (apart && files > 0))
+        views = ""; // one view
+    snprintf(images, size, "%s%s/*.*", folders->values[0], views);
+    return FFP_EXIT_OK;
+}
