@@ -2,7 +2,7 @@
 // A show: cues one after the other, each with the layers of every projector and how they are corrected, the view whose poses
 // it takes, how long it fades in, and after how many seconds the next one follows (null: it waits for GO).
 
-const FOLLOW_MAX = 3600, FADE_MAX = 60; // seconds
+const FOLLOW_MAX = 3600, FADE_MAX = 600; // seconds
 
 function checkCue(cue) {
   const {name, fade, pose, shown, follow = cue && cue.hold} = cue || {}; // stages once had `hold`

@@ -226,7 +226,6 @@ static void jpeg_is_read(void **state) {
     ffp_image_free(&image);
 }
 
-// Composition happens in encoded values: 0.8 at alpha 0.5 is linear(0.4), not linear(0.8) / 2.
 // Reduced while they are read, pictures are the means of their light.
 static void reduced_pictures_are_means(void **state) {
     (void)state;
@@ -249,6 +248,7 @@ static void reduced_pictures_are_means(void **state) {
         assert_true(ffp_image_read_reduced(&small, NULL, size, names[k > 0], false, SHRINK, rough, NULL));
         assert_true(size[0] == SIDE && size[1] == SIDE && small.width == SIDE / SHRINK &&
                     small.height == SIDE / SHRINK);
+        ffp_image_free(&small);
         // Not reduced, it is the same to the bit.
         assert_true(ffp_image_read_reduced(&small, NULL, size, names[k > 0], false, 1, rough, NULL));
         assert_memory_equal(small.data, whole.data, 3 * SIDE * SIDE * sizeof *whole.data);
@@ -269,6 +269,7 @@ static void reduced_pictures_are_means(void **state) {
     ffp_image_free(&shown);
 }
 
+// Composition happens in encoded values: 0.8 at alpha 0.5 is linear(0.4), not linear(0.8) / 2.
 static void alpha_goes_over_black_encoded(void **state) {
     (void)state;
     FfpImage image = ffp_image_new(1, 1, 4), rgb, alpha;

@@ -637,7 +637,7 @@ def faults(program, found, folder, first):
         assert len(list((rig / "discarded/calibration-attitude-00-3").glob("*.png"))) == 2
         told += 1
         # The window is closed amid the loading of a pattern, which then fails, too: what counts is that the window is gone.
-        page.run("projector.channel.postMessage = function (what) { delete this.postMessage; this.postMessage(what); projector.window.close(); }")
+        page.run("projector.wire.post = function (what) { delete this.post; this.post(what); projector.window.close(); }")
         page.click("#shooting-go")
         page.wait("!shooting.running && document.getElementById('toast').textContent.includes('projector window was closed')")
         told += 5
