@@ -15,6 +15,7 @@
 #define FEW 200          // pixels that say nothing
 #define FEW_HERE 20      // at one place of the panel
 #define PERIOD_MOST 40   // pixels of the panel
+#define PERIODS_LEAST 6  // of a wave in what is seen: of fewer, the surface has its own
 #define ABOVE_NOISE 6    // times the median wave
 #define KINDS_APART 0.03 // of white
 #define FLICKERS 4       // times the light changes from pair to pair: kinds of edges are in different ones
@@ -185,9 +186,10 @@ static int kind_of(int n) {
 
 // The largest wave of what pairs add up to along the panel, beside the means of each kind of edge.
 static void find_wave(const Places *p, FfpGrayScaling *s) {
+    const double least = fmax(1.0 / PERIOD_MOST, PERIODS_LEAST / p->seen);
     real waves[WAVES];
     for (int k = 0; k < WAVES; k++) {
-        const double frequency = 1.0 / PERIOD_MOST + (0.5 - 1.0 / PERIOD_MOST) * k / WAVES;
+        const double frequency = least + (0.5 - least) * k / WAVES;
         double even = 0, odd = 0;
         for (int n = 1; n < p->size; n++) {
             if (!(p->count[n] > 0)) continue;

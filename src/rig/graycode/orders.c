@@ -24,7 +24,7 @@
 #define PAIR_MOST (-0.5) // correlation of two that are each other's inverse, where both are clear:
 #define CLEAR 0.2        // mean square of sides
 #define PLAINLY 0.5      // light of black and white, at least
-#define TERMS 7          // that a code has at most: its pair, and the light, direction and edges of both
+#define TERMS 8          // that a code has at most: its pair (2), and the light, direction and edges of both
 enum { FILES_MOST = 2 * 2 * FFP_GRAY_BITS_MAX + 16, LIT_LEAST = 64, STRIDE = 4 };
 
 // --- What was seen. ---
@@ -35,8 +35,10 @@ typedef struct Sight {
     unsigned char *seen;                   // [pixels]
     double light[FILES_MOST];              // mean of sides, -1 to 1
     double alike[FILES_MOST][FILES_MOST];  // mean product of sides: -1, each other's inverse
+    double apart[FILES_MOST][FILES_MOST];  // mean size of the sum of their sides: 0, they add up to white
     double beside[FILES_MOST][FILES_MOST]; // light of the second at the edges of the first
     double upright[FILES_MOST];            // share of its edges that separate columns
+    bool edged[FILES_MOST];                // it has enough of them to tell
 } Sight;
 
 static int by_value(const void *a, const void *b) {
@@ -89,14 +91,20 @@ static void look(Sight *s) {
         count++;
         for (int i = 0; i < s->n; i++) {
             s->light[i] += x[i] / 127.0;
-            for (int k = 0; k <= i; k++) s->alike[i][k] += x[i] * x[k] / (127.0 * 127.0);
+            for (int k = 0; k <= i; k++) {
+                s->alike[i][k] += x[i] * x[k] / (127.0 * 127.0);
+                s->apart[i][k] += abs(x[i] + x[k]) / 127.0;
+            }
         }
     }
     for (int i = 0; i < s->n; i++) {
         s->light[i] /= fmax(count, 1), s->upright[i] /= fmax(edges[i], 1);
         for (int k = 0; k < s->n; k++) s->beside[i][k] /= fmax(edges[i], 1);
-        if (edges[i] < LIT_LEAST / 4) s->upright[i] = 0.5;
-        for (int k = 0; k <= i; k++) s->alike[k][i] = s->alike[i][k] /= fmax(count, 1);
+        s->edged[i] = edges[i] >= LIT_LEAST / 4;
+        for (int k = 0; k <= i; k++) {
+            s->alike[k][i] = s->alike[i][k] /= fmax(count, 1);
+            s->apart[k][i] = s->apart[i][k] /= fmax(count, 1);
+        }
     }
 }
 
@@ -195,16 +203,18 @@ static void cost_of_code(Cost *cost, const Sight *s, const int (*file)[2], int a
         const double clear[2] = {s->alike[own[0]][own[0]], s->alike[own[1]][own[1]]};
         const double alike = s->alike[own[0]][own[1]] / sqrt(fmax(clear[0] * clear[1], 1e-6));
         cost_of(cost, 1, alike, -1);
+        cost_of(cost, 1, s->apart[own[0]][own[1]], 0);
         if (alike > PAIR_MOST && fmin(clear[0], clear[1]) > CLEAR) cost->sum = INFINITY;
     }
     for (int inverse = 0; inverse < 2; inverse++) {
         const int sign = inverse ? -1 : 1;
         if (own[inverse] < 0) continue;
         cost_of(cost, DIRECTION, fabs(s->light[own[inverse]]), 0); // a code's pair is neither black nor white
-        cost_of(cost, DIRECTION, 2 * s->upright[own[inverse]] - 1, axis ? -1 : 1);
+        if (s->edged[own[inverse]]) cost_of(cost, DIRECTION, 2 * s->upright[own[inverse]] - 1, axis ? -1 : 1);
         for (int k = 0; k < 4; k++) {
             const int back = k / 2 + 1, other = bit >= back ? file[bit - back][k % 2] : -1;
-            if (other >= 0) cost_of(cost, 0.5, s->beside[other][own[inverse]], back == 1 ? sign : -sign);
+            if (other >= 0 && s->edged[other])
+                cost_of(cost, 0.5, s->beside[other][own[inverse]], back == 1 ? sign : -sign);
         }
     }
 }
