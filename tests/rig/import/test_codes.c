@@ -708,6 +708,28 @@ static void test_sets(void **state) {
     ffp_image_free(&expected), ffp_capture_free(&as_usual);
 }
 
+// Where the object lies beside the edge of the first code, which is then all dark, lollipops do not pass for
+// it.
+static void test_code_without_edges(void **state) {
+    (void)state;
+    static char paths[40][300];
+    const char *files[40];
+    FfpGrayCache cache = {.n = 0};
+    FfpGrayPhotographs photographs = {.width = PANEL_WIDTH, .height = PANEL_HEIGHT, .cache = &cache};
+    const int before[] = {-2, -1, -3, -3, -2, -1}; // black, white, lollipops, the first code and its inverse
+    int n = 0;
+    for (size_t i = 0; i < sizeof before / sizeof *before; i++)
+        snprintf(paths[n++], sizeof paths[0], "%s", shot("", "photos/", before[i]));
+    for (int i = 2; i < ffp_gray_photographs(PANEL_WIDTH, PANEL_HEIGHT); i++)
+        snprintf(paths[n++], sizeof paths[0], "%s", shot("", "photos/", i));
+    for (int i = 0; i < n; i++) files[i] = paths[i];
+    if (!ffp_gray_find_plain(&photographs, files, n, &err)) fail_msg("%s", err.text);
+    assert_string_equal(photographs.codes[0], files[4]);
+    assert_string_equal(photographs.codes[1], files[5]);
+    assert_string_equal(photographs.codes[2], files[6]);
+    ffp_gray_cache_free(&cache);
+}
+
 // A stray thumbnail is left out; and codes under another light than black and white are said to be.
 static void test_strays(void **state) {
     (void)state;
@@ -1306,6 +1328,7 @@ int main(void) {
         cmocka_unit_test(test_linear_photographs),
         cmocka_unit_test(test_noisy_photographs),
         cmocka_unit_test(test_sets),
+        cmocka_unit_test(test_code_without_edges),
         cmocka_unit_test(test_strays),
         cmocka_unit_test(test_codes_alone),
         cmocka_unit_test(test_large_photographs),
