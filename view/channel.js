@@ -1,5 +1,5 @@
 'use strict';
-// Messages between a page and its windows: by a channel that has nothing to do with who opened whom.
+// What projector windows share: messages between a page and its windows, by a channel that has nothing to do with who opened whom.
 
 // WebKit hands on no channel between files from disk: there a window talks with its opener, and shares its process.
 const APART = typeof BroadcastChannel !== 'undefined' && (location.protocol.startsWith('http') || !navigator.vendor.startsWith('Apple'));
@@ -27,4 +27,11 @@ class Wire {
       if (peer.closed) this.peers.delete(peer);
       else peer.postMessage({wire: this.name, message}, '*');
   }
+}
+
+// While this page is seen, no screen goes dark: a projector is one of them. A browser ends it with every hiding of the page.
+function stayAwake() {
+  const ask = () => document.hidden || !navigator.wakeLock || navigator.wakeLock.request('screen').catch(() => {});
+  document.addEventListener('visibilitychange', ask);
+  ask();
 }

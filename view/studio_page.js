@@ -169,3 +169,5 @@ parent.engine.tell = ({kind, state, text}) => {
   if (kind === 'studio') accept(state);
   else if (kind === 'log' && text) console.log(text);
 };
+
+stayAwake(); // it computes here, and a laptop that sleeps computes nothing

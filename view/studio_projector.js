@@ -44,4 +44,5 @@ document.addEventListener('click', fullScreen);
 document.addEventListener('keydown', (event) => { if (event.key === 'f' || event.key === 'F') fullScreen(); });
 addEventListener('resize', () => tell({}));
 addEventListener('pagehide', () => tell({closed: true}));
+stayAwake();
 tell({});

@@ -24,6 +24,7 @@ class FarWindow {
     this.recall();
     this.wire = new Wire(WIRE, (message) => this.hear(message));
     this.listen();
+    stayAwake();
     this.tell('here');
     setInterval(() => { if (performance.now() - this.heard > ORPHANED) this.tell('here'); }, 1000);
   }

@@ -230,6 +230,13 @@ def check_slips(check, page, audience, path, other, picture):
     windows_back(page, audience, check, "another object opened, and back")
 
 
+def check_awake(check, page, audience):
+    """Windows ask that the screen stays on, again each time they are seen again."""
+    asked = [page.run("navigator.wakeLock.request = (what) => { window.asked = what; return Promise.resolve({}); }; document.dispatchEvent(new Event('visibilitychange')); window.asked",
+                      session=session) for session in audience.sessions.values()]
+    check("the screen stays on", asked == ["screen"] * PROJECTORS, str(asked))
+
+
 def check_closed(check, page, audience):
     """One window is closed on purpose: the page says so, and brings it back."""
     page.run("say('')")
@@ -311,6 +318,7 @@ def main():
             audience = Audience(page, folder)
             audience.look()
             check_slips(check, page, audience, path, other, picture)
+            check_awake(check, page, audience)
             check_closed(check, page, audience)
             check_crashes(check, page, audience, path)
             page.screenshot(os.path.join(folder, "page.png"))
