@@ -95,7 +95,7 @@ ffp_room(export CALLS DEPS pipeline apply render gaussians capture image numeric
 # what a file holds, as text for people
 ffp_room(describe CALLS DEPS checks findings masks baselines network gaussians capture numerics base)
 # the calls of the public headers, one file per call: arguments checked, the call entered, structs translated, one function called
-ffp_room(api CALLS DEPS describe eval pipeline bench view export selfcal calibrate import checks findings baselines train synth patterns loss render
+ffp_room(api CALLS DEPS describe eval pipeline bench view export selfcal calibrate import optics checks findings baselines train synth patterns loss render
          network gaussians capture image base cuda LIBS PkgConfig::JANSSON PkgConfig::ZLIB)
 # the ranks of an MPI job: part of the program where it is built with MPI
 ffp_room(cluster IN library.cmake)

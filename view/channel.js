@@ -1,5 +1,5 @@
 'use strict';
-// What projector windows share: messages between a page and its windows, by a channel that has nothing to do with who opened whom.
+// Messages between a page and its windows, by a channel that has nothing to do with who opened whom; and screens that stay on.
 
 // WebKit hands on no channel between files from disk: there a window talks with its opener, and shares its process.
 const APART = typeof BroadcastChannel !== 'undefined' && (location.protocol.startsWith('http') || !navigator.vendor.startsWith('Apple'));

@@ -26,6 +26,10 @@ typedef struct FfpPatterns {
     double square;
     int greys; // even greys between black and white, 0 to 64, by which ffp_import finds the projector's
                // response
+    // Files of a calibration, as FfpImport.calibrations: the panel is of the size that they give its
+    // projector, and width and height do not count. n_calibrations 0: none
+    const char *const *calibrations;
+    int n_calibrations;
 } FfpPatterns;
 
 FFP_DEFAULTS(FfpPatterns, ffp_patterns_defaults) // everything, one lollipop, 1920 x 1080; 9 x 6, 25 mm

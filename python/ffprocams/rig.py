@@ -24,9 +24,10 @@ _TERMS = {
 @checked
 def write_patterns(
     folder: PathLike,
-    width: int,
-    height: int,
+    width: int = 1920,
+    height: int = 1080,
     *,
+    calibrations: PathLike | Sequence[PathLike] = (),
     lollipops: int | None = None,
     focus: bool = True,
     capture: bool = True,
@@ -39,6 +40,7 @@ def write_patterns(
     Args:
         folder: must be new or empty.
         width, height: of the projector's panel, pixels.
+        calibrations: files of a rig's calibration, which then tell the panel's size.
         lollipops: number of these patterns; None: the program's default.
         focus: a chart for focusing and for placing the object.
         capture: black, white and the lollipops.
@@ -56,6 +58,8 @@ def write_patterns(
     options.folder, options.width, options.height = keep.path(folder), width, height
     options.focus, options.capture, options.gray_codes = focus, capture, gray_codes
     options.greys = greys
+    paths = [keep.path(p) for p in some(calibrations)]
+    options.calibrations, options.n_calibrations = keep.texts(paths), len(paths)
     if lollipops is not None:
         options.lollipops = lollipops
     with Call() as call:

@@ -1,8 +1,10 @@
 // Patterns that a projector shows while it is photographed.
 #include "core/patterns/patterns.h"
 #include "core/base/call.h"
+#include "core/base/log.h"
 #include "ffprocams.h"
 #include "product/api/arguments.h"
+#include "rig/optics/calibration.h"
 
 enum { SIDE_MIN = 64, SIDE_MAX = 16384, LOLLIPOPS_MAX = 100, GREYS_MAX = 64 };
 
@@ -39,13 +41,26 @@ static bool check(const FfpPatterns *o, FfpError *err) {
 }
 
 typedef struct Call {
-    const FfpPatterns *options;
+    FfpPatterns *options;
     int count;
 } Call;
 
+static bool take_panel(FfpPatterns *o, FfpError *err) {
+    FfpCalibration calibration;
+    if (!ffp_calibration_read(&calibration, o->calibrations, o->n_calibrations, NULL, err)) return false;
+    o->width = calibration.projector.width, o->height = calibration.projector.height;
+    ffp_calibration_free(&calibration);
+    if (o->width == 0)
+        return ffp_fail(err, FFP_ERROR_FILE, o->calibrations[0],
+                        "does not tell the size of the projector's panel: give it");
+    ffp_note("%s: its projector has %d x %d pixels", o->calibrations[0], o->width, o->height);
+    return check(o, err);
+}
+
 static bool work(void *argument, FfpError *err) {
     Call *call = argument;
-    const FfpPatterns *o = call->options;
+    FfpPatterns *o = call->options;
+    if (o->n_calibrations > 0 && !take_panel(o, err)) return false;
     const FfpShow show = {.width = o->width,
                           .height = o->height,
                           .lollipops = o->lollipops,

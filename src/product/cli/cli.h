@@ -5,7 +5,7 @@
 #include "ffprocams.h"
 #include "options.h"
 
-enum { FFP_CLI_PATH = 4096 }; // of a path that a command makes
+enum { FFP_CLI_PATH = 4096, FFP_CLI_NAME = 256 }; // of a path that a command makes, and of a name in it
 
 #define FFP_CLI_S(count) ((count) == 1 ? "" : "s") // "1 picture", "2 pictures"
 

@@ -6,6 +6,7 @@ enum { FOCUS = 1, CAPTURE = 2, GRAY_CODES = 4 };
 
 typedef struct Arguments {
     FfpPatterns patterns;
+    FfpList calibrations;
     int parts; // those wanted; 0: all
 } Arguments;
 
@@ -38,10 +39,15 @@ static int run(void *data) {
     patterns->focus = wanted & FOCUS;
     patterns->capture = wanted & CAPTURE;
     patterns->gray_codes = wanted & GRAY_CODES;
+    patterns->calibrations = arguments->calibrations.values;
+    patterns->n_calibrations = arguments->calibrations.count;
     const int count = ffp_write_patterns(ffp_cli_context(), patterns, &err);
     if (count < 0) return ffp_cli_fail(&err);
-    printf("%s: %d pattern%s of %d x %d; open show.html on the projector (README.txt explains how)\n",
-           patterns->folder, count, FFP_CLI_S(count), patterns->width, patterns->height);
+    char size[32] = "";
+    if (patterns->n_calibrations == 0)
+        snprintf(size, sizeof size, " of %d x %d", patterns->width, patterns->height);
+    printf("%s: %d pattern%s%s; open show.html on the projector (README.txt explains how)\n",
+           patterns->folder, count, FFP_CLI_S(count), size);
     return FFP_EXIT_OK;
 }
 
@@ -59,6 +65,14 @@ static const FfpOption options[] = {
      .parse = read_size,
      .takes = "width x height in pixels (1920x1080)",
      .help = "native resolution of the projector's panel. Default: 1920x1080"},
+    {.name = "calibration",
+     .letter = 'c',
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .repeated = true,
+     .excludes = "projector",
+     .offset = offsetof(Arguments, calibrations),
+     .help = "a calibration that `import` reads: the panel is of the size that it gives the projector"},
     {.name = "lollipops",
      .argument = "N",
      .type = FFP_OPTION_INT,

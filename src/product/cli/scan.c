@@ -24,8 +24,9 @@ static const char *const results[RESULTS] = {"patterns",  "calibration", "captur
 
 typedef struct Scan {
     const Arguments *given;
-    char paths[RESULTS][FFP_CLI_PATH], images[FFP_CLI_PATH + 32];
-    FfpList words; // of the command at hand
+    char paths[RESULTS][FFP_CLI_PATH], images[FFP_CLI_PATH + 32], codes[FFP_CLI_PATH + FFP_CLI_NAME + 32];
+    const char *graycode; // as given, or `codes`, of folders of their own; NULL: among the images
+    FfpList words;        // of the command at hand
 } Scan;
 
 static void word(Scan *s, const char *text) {
@@ -50,7 +51,9 @@ static bool is_found(const Arguments *a) {
 static bool patterns(Scan *s) {
     option(s, "-o", s->paths[PATTERNS]);
     option(s, "--projector", s->given->projector);
-    return !s->given->shown && !s->given->graycode;
+    for (int i = 0; i < s->given->calibrations.count && !s->given->projector; i++)
+        option(s, "-c", s->given->calibrations.values[i]);
+    return !s->given->shown && !s->graycode;
 }
 
 static bool calibrate(Scan *s) {
@@ -67,7 +70,10 @@ static bool calibrate(Scan *s) {
     option(s, "--board", a->board);
     option(s, "--square", a->square);
     option(s, "--lens", a->lens);
-    option(s, "--shown", shown(s));
+    if (s->graycode)
+        option(s, "--projector", a->projector);
+    else
+        option(s, "--shown", shown(s));
     option(s, "-o", s->paths[walk ? CALIBRATION : CALIBRATION_FILE]);
     return a->calibrations.count == 0;
 }
@@ -90,9 +96,9 @@ static bool import(Scan *s) {
     option(s, "--camera-fit", a->camera_fit);
     if (turns) add_turntable(s);
     if (a->scene || (is_found(a) && !turns)) word(s, "--scene");
-    option(s, "--shown", a->graycode ? NULL : shown(s));
+    option(s, "--shown", s->graycode ? NULL : shown(s));
     option(s, "-i", s->images);
-    option(s, "-g", a->graycode);
+    option(s, "-g", s->graycode);
     option(s, "-m", a->mask);
     option(s, "-w", a->width);
     option(s, "-o", s->paths[CAPTURE]);
@@ -142,13 +148,16 @@ static int check_results(const Scan *s) {
 static int prepare(Scan *s) {
     const Arguments *a = s->given;
     const size_t most = 64 + (size_t)a->photographs.count + 2 * (size_t)a->calibrations.count;
-    const int names = snprintf(s->images, sizeof s->images, "%s", a->graycode ? "black,white=" : "");
     for (int i = 0; i < RESULTS; i++) snprintf(s->paths[i], FFP_CLI_PATH, "%s/%s", a->folder, results[i]);
     s->words.values = calloc(most, sizeof *s->words.values);
     if (!s->words.values) return ffp_cli_fail(&(FfpError){.text = "out of memory"});
-    const int status =
-        ffp_cli_name_photographs(&a->photographs, a->angles && !is_found(a), a->graycode != NULL,
-                                 s->images + names, sizeof s->images - (size_t)names);
+    char views[FFP_CLI_PATH], inner[FFP_CLI_NAME];
+    const bool found = !a->graycode && !a->shown && ffp_cli_find_codes(&a->photographs, inner);
+    const int status = ffp_cli_name_views(&a->photographs, a->angles && !is_found(a), a->graycode || found,
+                                          views, sizeof views);
+    s->graycode = found ? s->codes : a->graycode;
+    snprintf(s->images, sizeof s->images, "%s%s/*.*", s->graycode ? "black,white=" : "", views);
+    if (found) snprintf(s->codes, sizeof s->codes, "%s/%s/*.*", views, inner);
     return status != FFP_EXIT_OK || a->dry ? status : check_results(s);
 }
 
@@ -371,6 +380,7 @@ const FfpCommand ffp_cli_scan = {
                    .offset = offsetof(Arguments, photographs),
                    .help = "folders, one for each place of the camera or stop of the turntable, or one of "
                            "the same name in each of these (shots/*/gray); or one folder of such folders. "
+                           "The codes may be in a folder beside black and white. "
                            "With --calibration they are named after its views, or "
                            "come in natural order with --angles; one folder is of a rig that stands still"},
     .options = options,

@@ -7,6 +7,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#define SPECIAL "*?[{=\\" // to import
+
 int ffp_cli_count_entries(const char *folder, bool files) {
     DIR *directory = opendir(folder);
     char path[2 * FFP_CLI_PATH];
@@ -24,7 +26,7 @@ int ffp_cli_count_entries(const char *folder, bool files) {
 
 static int check_folder(const char *folder) {
     FfpError err = {.code = FFP_ERROR_IO};
-    if (strpbrk(folder, "*?[{=\\"))
+    if (strpbrk(folder, SPECIAL))
         return ffp_cli_usage("scan", "%s: rename the folder: *, ?, [, {, = and \\ have a meaning for import",
                              folder);
     if (ffp_cli_count_entries(folder, false) >= 0) return FFP_EXIT_OK;
@@ -46,7 +48,7 @@ static int common(const FfpList *folders, int begin, bool back) {
 }
 
 // Folders that are named after their views, or folders of one name in these: shots/1/gray, shots/2/gray.
-static int name_views(const FfpList *folders, char *images, size_t size) {
+static int name_by_view(const FfpList *folders, char *views, size_t size) {
     const char *first = folders->values[0];
     int begin = common(folders, 0, false);
     while (begin > 0 && first[begin - 1] != '/') begin--;
@@ -60,7 +62,7 @@ static int name_views(const FfpList *folders, char *images, size_t size) {
             return ffp_cli_usage("scan", "%s and %s: the folders of photographs must be in one folder", first,
                                  folders->values[folders->count - 1]);
     }
-    snprintf(images, size, "%.*s{view}%.*s/*.*", begin, first, length, inner ? inner : "");
+    snprintf(views, size, "%.*s{view}%.*s", begin, first, length, inner ? inner : "");
     return FFP_EXIT_OK;
 }
 
@@ -74,7 +76,7 @@ static bool ascend(const FfpList *folders) {
     return by_bytes || naturally;
 }
 
-static int name_stops(const FfpList *folders, char *images, size_t size) {
+static int name_stops(const FfpList *folders, char *views, size_t size) {
     const char *first = folders->values[0];
     const int begin = common(folders, 0, false), end = common(folders, begin, true);
     glob_t found = {0};
@@ -83,27 +85,53 @@ static int name_stops(const FfpList *folders, char *images, size_t size) {
                              "%s and others: the folders are not in natural order: with --calibration or "
                              "--attitudes, angles are given in natural order",
                              first);
-    int length = snprintf(images, size, "%.*s*%s/", begin, first, first + strlen(first) - end);
-    const bool others = glob(images, 0, NULL, &found) != 0 || found.gl_pathc != (size_t)folders->count;
+    const int length = snprintf(views, size, "%.*s*%s/", begin, first, first + strlen(first) - end);
+    const bool others = glob(views, 0, NULL, &found) != 0 || found.gl_pathc != (size_t)folders->count;
     globfree(&found);
     if (others)
         return ffp_cli_usage("scan",
                              "%s: there are more such folders than the %d given: put these into one folder",
-                             images, folders->count);
-    snprintf(images + length, size - (size_t)length, "*.*");
+                             views, folders->count);
+    if (length > 0 && (size_t)length < size) views[length - 1] = 0;
     return FFP_EXIT_OK;
 }
 
-int ffp_cli_name_photographs(const FfpList *folders, bool by_angle, bool apart, char *images, size_t size) {
+int ffp_cli_name_views(const FfpList *folders, bool by_angle, bool apart, char *views, size_t size) {
     int status = FFP_EXIT_OK;
     for (int i = 0; i < folders->count && status == FFP_EXIT_OK; i++)
         status = check_folder(folders->values[i]);
     if (status != FFP_EXIT_OK) return status;
-    if (folders->count > 1) return (by_angle ? name_stops : name_views)(folders, images, size);
-    const char *views = by_angle ? "/*" : "/{view}";
+    if (folders->count > 1) return (by_angle ? name_stops : name_by_view)(folders, views, size);
+    const char *part = by_angle ? "/*" : "/{view}";
     const int files = ffp_cli_count_entries(folders->values[0], true);
     if (files == ffp_cli_count_entries(folders->values[0], false) || (apart && files > 0))
-        views = ""; // one view
-    snprintf(images, size, "%s%s/*.*", folders->values[0], views);
+        part = ""; // one view
+    snprintf(views, size, "%s%s", folders->values[0], part);
     return FFP_EXIT_OK;
+}
+
+// True if a folder of black and white has one folder of more files, which is called as `inner`, if that is
+// known.
+static bool find_inner(const char *folder, char inner[FFP_CLI_NAME]) {
+    char path[2 * FFP_CLI_PATH];
+    const int files = ffp_cli_count_entries(folder, true);
+    if (files != 2 || ffp_cli_count_entries(folder, false) != 3) return false;
+    DIR *directory = opendir(folder);
+    bool found = false;
+    for (const struct dirent *entry; directory && (entry = readdir(directory));) {
+        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        const bool plain = entry->d_name[0] != '.' && !strpbrk(entry->d_name, SPECIAL);
+        if (!plain || ffp_cli_count_entries(path, true) <= files) continue;
+        found = !inner[0] || strcmp(inner, entry->d_name) == 0;
+        snprintf(inner, FFP_CLI_NAME, "%s", entry->d_name);
+    }
+    if (directory) closedir(directory);
+    return found;
+}
+
+bool ffp_cli_find_codes(const FfpList *folders, char inner[FFP_CLI_NAME]) {
+    bool found = true;
+    inner[0] = 0;
+    for (int i = 0; i < folders->count && found; i++) found = find_inner(folders->values[i], inner);
+    return found;
 }

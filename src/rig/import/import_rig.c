@@ -63,11 +63,10 @@ static bool take_other_projector(const FfpImport *settings, FfpCalibration *cali
 bool ffp_importing_read_rig(FfpImporting *import, FfpError *err) {
     const FfpImport *settings = import->settings;
     FfpCalibration *calibration = &import->calibration;
-    const char *projector = settings->projector_image ? settings->projector_image : "calib";
     if (settings->n_views > FFP_VIEWS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "views", "more than %d views", FFP_VIEWS_MAX);
-    if (!ffp_calibration_read(calibration, settings->calibrations, settings->n_calibrations, projector,
-                              err) ||
+    if (!ffp_calibration_read(calibration, settings->calibrations, settings->n_calibrations,
+                              settings->projector_image, err) ||
         !take_other_projector(settings, calibration, err))
         return false;
     if (!ffp_turntable_settle(&settings->turntable, calibration, err)) return false;

@@ -97,6 +97,7 @@ static bool read_neighbour(FfpCalibration *calibration, const char *path, FfpErr
 bool ffp_calibration_read(FfpCalibration *calibration, const char *const *files, int n_files,
                           const char *projector_image, FfpError *err) {
     *calibration = (FfpCalibration){0};
+    if (!projector_image) projector_image = "calib";
     if (n_files < 1) return ffp_fail(err, FFP_ERROR_FILE, "calibrations", "no calibration given");
     for (int i = 0; i < n_files; i++) {
         if (!read_one(calibration, files[i], projector_image, err)) return false;

@@ -38,7 +38,7 @@ typedef struct FfpCalibration {
 
 // Reads all files (COLMAP: also a folder), each of which gives a part; they must not contradict each other.
 // `projector_image`: the name, without folder and extension, of the COLMAP image that stands for the
-// projector. Errors name file and field, or all files if something is missing from them.
+// projector; NULL: "calib". Errors name file and field, or all files if something is missing from them.
 bool ffp_calibration_read(FfpCalibration *calibration, const char *const *files, int n_files,
                           const char *projector_image, FfpError *err);
 void ffp_calibration_free(FfpCalibration *calibration);

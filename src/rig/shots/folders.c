@@ -14,7 +14,7 @@
 #include "rig/graycode/orders.h"
 #include "rig/shots/file_names.h"
 
-enum { FILES_MAX = 4096, DEPTH_MAX = 8 };
+enum { FILES_MAX = 4096, DEPTH_MAX = 8, PLAIN_MOST = 3 };
 
 static void close_folder(void *folder) {
     closedir(folder);
@@ -88,13 +88,30 @@ static bool add(FfpShotFolders *out, const char *path, const char **files, int n
     return true;
 }
 
+// Photographs of codes in a folder of their own, beside black and white, come after these.
+static bool append(FfpArena *arena, const char *folder, const char ***files, int *n, FfpError *err) {
+    const char **codes;
+    int n_codes;
+    if (!list(arena, folder, false, &codes, &n_codes, err)) return false;
+    if (n_codes <= *n) return true;
+    const char **all = ffp_arena_alloc(arena, (size_t)(*n + n_codes), sizeof *all);
+    memcpy(all, *files, (size_t)*n * sizeof *all);
+    memcpy(all + *n, codes, (size_t)n_codes * sizeof *all);
+    *files = all, *n += n_codes;
+    return true;
+}
+
 static bool find(FfpShotFolders *out, const char *path, FfpError *err) {
     const char **files = NULL, **folders = NULL;
     int n_files = 0, n_folders = 0;
     const int before = out->n;
     if (!list(out->arena, path, false, &files, &n_files, err)) return false;
-    if (n_files > 0) return add(out, path, files, n_files, err);
+    if (n_files > PLAIN_MOST) return add(out, path, files, n_files, err);
     if (!list(out->arena, path, true, &folders, &n_folders, err)) return false;
+    if (n_files > 0) {
+        if (n_folders == 1 && !append(out->arena, folders[0], &files, &n_files, err)) return false;
+        return add(out, path, files, n_files, err);
+    }
     for (int i = 0; i < n_folders; i++) {
         if (!list(out->arena, folders[i], false, &files, &n_files, err)) return false;
         if (n_files > 0 && !add(out, folders[i], files, n_files, err)) return false;

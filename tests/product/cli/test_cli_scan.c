@@ -217,6 +217,34 @@ static void codes_alone_in_inner_folders(void **state) {
     assert_true(ffp_is_file(in_scratch("alone/object.html")));
 }
 
+// Black and white in each place's folder, the codes in one beside them; and the panel's size as a calibration
+// has it.
+static void codes_beside_black_and_white(void **state) {
+    (void)state;
+    char command[1024];
+    snprintf(
+        command, sizeof command,
+        "cd '%s' && for p in 'my shots'/place-*; do d=beside/${p##*-} && mkdir -p $d/codes && cp \"$p\"/* "
+        "$d/codes && mv $d/codes/00[12]* $d && rm $d/codes/003*; done",
+        scratch);
+    assert_int_equal(system(command), 0);
+    assert_int_equal(run_format(&run, "scan %s/beside/* --projector 160x100 -w 48 --to import -o %s/sides",
+                                scratch, scratch),
+                     0);
+    assert_non_null(strstr(run.out, "3 of 3 places"));
+    assert_non_null(strstr(run.out, "/beside/{view}/codes/*.*'"));
+    assert_null(strstr(run.err, "made from the codes"));
+    const char *line = "scan %s/beside/* %s -c %s/sides/calibration --scene --to import -w 48 -o b --dry-run";
+    assert_int_equal(run_format(&run, line, scratch, "", scratch), 0);
+    assert_null(strstr(run.out, "ffprocams patterns"));
+    line = "scan '%s/my shots'/place-* -c " QUOTED "/calibration --scene -w 48 -o %s/sized";
+    assert_int_equal(run_format(&run, line, scratch, scratch, scratch), 0);
+    assert_non_null(strstr(run.err, "its projector has 160 x 100 pixels"));
+    assert_true(ffp_is_file(in_scratch("sized/object.html")));
+    run_format(&run, "patterns -c %s/sides/calibration --projector 9x9 -o %s/x", scratch, scratch);
+    assert_int_equal(run.status, 2);
+}
+
 static void folders_that_cannot_be_named_are_refused(void **state) {
     (void)state;
     static const char *const wrong[][2] = {
@@ -365,6 +393,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(a_step_that_fails_ends_it),
         cmocka_unit_test(a_turntable_and_a_calibration_that_is_known),
         cmocka_unit_test(codes_alone_in_inner_folders),
+        cmocka_unit_test(codes_beside_black_and_white),
         cmocka_unit_test(folders_that_cannot_be_named_are_refused),
         cmocka_unit_test_teardown(a_signal_is_for_the_step_too, end_processes),
         cmocka_unit_test_teardown(ctrl_z_is_for_the_step_too, end_processes),
