@@ -83,10 +83,13 @@ static bool place_codes(FfpImporting *import, int stop, const FfpOptics *camera,
     }
     const FfpCodesFit fit = ffp_codes_check(view);
     if (!silent) note_report(import, view, report, &fit);
+    const double panel =
+        hypot(import->coded.width, import->coded.height); // what lies behind it is off by more
     return (fit.known > 0 && fit.off <= CODES_OFF_MAX) ||
            ffp_fail_by(
                FFP_RULE_CODES_ELSEWHERE,
-               &(FfpFacts){.view = view->id, .x = fit.known, .figure = fit.off, .limit = CODES_OFF_MAX},
+               &(FfpFacts){
+                   .view = view->id, .x = fit.known, .figure = fmin(fit.off, panel), .limit = CODES_OFF_MAX},
                "gray_codes", err);
 }
 

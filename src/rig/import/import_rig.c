@@ -2,6 +2,7 @@
 #include <string.h>
 #include "core/numerics/resection.h"
 #include "rig/import/import_steps.h"
+#include "rig/optics/colmap_write.h"
 
 static void drop_left_out(FfpCalibration *calibration) {
     int n = 0;
@@ -63,7 +64,7 @@ static bool take_other_projector(const FfpImport *settings, FfpCalibration *cali
 bool ffp_importing_read_rig(FfpImporting *import, FfpError *err) {
     const FfpImport *settings = import->settings;
     FfpCalibration *calibration = &import->calibration;
-    const char *projector = settings->projector_image ? settings->projector_image : "calib";
+    const char *projector = settings->projector_image ? settings->projector_image : FFP_COLMAP_PROJECTOR;
     if (settings->n_views > FFP_VIEWS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "views", "more than %d views", FFP_VIEWS_MAX);
     if (!ffp_calibration_read(calibration, settings->calibrations, settings->n_calibrations, projector,
