@@ -71,6 +71,7 @@ static bool read_place(Reading *r, int index, FfpError *err) {
     if (!ok) return leave_out(place, &error, err);
     ffp_note("%s: codes read at %.0f %% of the lit pixels", place->name, 100.0 * report.decoded / report.lit);
     ffp_gray_tell_light(&report, place->name);
+    ffp_gray_note_clipped(&report, place->name);
     r->step = fmax(r->step, report.step);
     return true;
 }

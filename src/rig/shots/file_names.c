@@ -213,16 +213,17 @@ static bool find_files(glob_t *found, const FfpFileSet *set, const Blanks *blank
                                    "no file matches (.JPG is not .jpg), or the folder cannot be read");
 }
 
-// Puts links that lead nowhere, as those of a disk that is not there, behind the files; how many these are.
-static size_t existing_first(const glob_t *found) {
+// Puts others behind the photographs: links that lead nowhere, and what other programs leave beside pictures
+// (Thumbs.db, 001.xmp). Returns how many photographs there are; of none, how many files, whatever they are.
+static size_t photographs_first(const glob_t *found) {
     size_t n = 0;
     for (size_t i = 0; i < found->gl_pathc; i++) {
         char *path = found->gl_pathv[i];
-        if (access(path, F_OK) != 0) continue;
+        if (access(path, F_OK) != 0 || !ffp_photograph_has_ending(path)) continue;
         found->gl_pathv[i] = found->gl_pathv[n];
         found->gl_pathv[n++] = path;
     }
-    return n;
+    return n > 0 ? n : found->gl_pathc;
 }
 
 // A view's files, fewer than its names, in their places; false: their numbers do not tell these.
@@ -256,7 +257,7 @@ static bool match(const char **paths, FfpArena *arena, const FfpFileSet *set, co
         return false;
     }
     ffp_own(found, free_glob);
-    const size_t n = existing_first(found);
+    const size_t n = photographs_first(found);
     qsort(found->gl_pathv, n, sizeof *found->gl_pathv, ffp_compare_paths);
     const char **names = (const char **)found->gl_pathv;
     int twins = 0;
