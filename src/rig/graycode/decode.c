@@ -7,6 +7,7 @@
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 #include "core/base/file.h"
+#include "core/base/log.h"
 #include "core/numerics/rank.h"
 #include "core/patterns/patterns.h"
 #include "rig/findings/tell.h"
@@ -306,6 +307,12 @@ void ffp_gray_tell_light(const FfpGrayReport *report, const char *view) {
         ffp_tell(FFP_RULE_CODES_LINEAR, &(FfpFacts){.view = view, .figure = report->fine_sum});
     else
         ffp_gray_tell_figures(&report->figures, view);
+}
+
+void ffp_gray_note_clipped(const FfpGrayReport *report, const char *view) {
+    if (report->clipped > ffp_rule(FFP_RULE_CODES_CLIPPED)->limit)
+        ffp_note("%s: under white %.0f %% of the light pixels are overexposed: shorten the exposure", view,
+                 100 * report->clipped);
 }
 
 // The name of a file's folder.

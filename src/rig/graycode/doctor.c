@@ -83,14 +83,15 @@ static uint8_t *edge_distances(const FfpGrayDecoder *d, const float *a, const fl
     return far;
 }
 
-// For each pixel the pair with the least contrast, whose edge is the nearest, and its sum.
+// For each pixel the pair with the least contrast, whose edge is the nearest, and its sum. Where white is at
+// the camera's limit, none: sums are too large there.
 static void see_weakest(FfpGrayDecoder *d, int axis, const float *a, const float *b) {
     if (!d->weakest[axis]) {
         d->weakest[axis] = ffp_alloc(d->pixels, 2);
         memset(d->weakest[axis], UINT8_MAX, 2 * d->pixels);
     }
     for (size_t i = 0; i < d->pixels; i++) {
-        if (!d->checked[i]) continue;
+        if (!d->checked[i] || (double)(d->black[i] + d->light[i]) >= FFP_GRAY_CLIPPED) continue;
         uint8_t *here = d->weakest[axis] + 2 * i;
         const float contrast = fminf(254 * fabsf(a[i] - b[i]) / d->light[i], 254);
         if (contrast >= (float)here[0]) continue;
@@ -283,8 +284,9 @@ static void find_ends(const FfpGrayDecoder *d, const FfpImage *map, int axis, bo
 
 void ffp_gray_see_panel(FfpGrayDecoder *d, const FfpImage *map) {
     FfpGrayFigures *f = &d->report->figures;
+    const bool clipped = d->report->clipped > ffp_rule(FFP_RULE_CODES_CLIPPED)->limit;
     for (int axis = 0; axis < 2; axis++) {
-        if (d->weakest[axis]) find_scaling(d, map, axis, flicker_of(f), &f->scaling[axis]);
+        if (d->weakest[axis] && !clipped) find_scaling(d, map, axis, flicker_of(f), &f->scaling[axis]);
         for (int down = 0; down < 2; down++) find_ends(d, map, axis, down, f->ends[axis]);
         f->size[axis] = axis ? d->from->height : d->from->width;
     }

@@ -89,6 +89,8 @@ typedef struct FfpGrayReport {
 
 // Reports dim codes, other light and wrong settings as findings of a view or place.
 void ffp_gray_tell_light(const FfpGrayReport *report, const char *view);
+// Notes how much of it is overexposed, if that is much.
+void ffp_gray_note_clipped(const FfpGrayReport *report, const char *view);
 
 // map [h,w,3] of the photographs' size: position on the panel, pixels, centres at integer + 0.5, and trust: 1
 // where it is known, otherwise all are 0. Between the edges of the codes, which are found where a pattern and

@@ -57,9 +57,7 @@ static void note_report(const FfpImporting *import, const FfpView *view, const F
         ffp_note("  the finest %d codes of columns and %d of rows are too fine for the photographs",
                  report->dropped[0], report->dropped[1]);
     ffp_gray_tell_light(report, view->id);
-    if (report->clipped > ffp_rule(FFP_RULE_CODES_CLIPPED)->limit)
-        ffp_note("  under white %.0f %% of the light pixels are overexposed: shorten the exposure",
-                 100 * report->clipped);
+    ffp_gray_note_clipped(report, view->id);
 }
 
 // The view's correspondence from the decoded map, checked against the poses.
@@ -81,7 +79,9 @@ static bool place_codes(FfpImporting *import, int stop, const FfpOptics *camera,
         ffp_gray_tell_light(report, view->id);
         return true;
     }
-    const FfpCodesFit fit = ffp_codes_check(view);
+    const double panel = hypot(import->coded.width, import->coded.height);
+    FfpCodesFit fit = ffp_codes_check(view);
+    fit.off = fmin(fit.off, panel); // infinite behind the projector
     if (!silent) note_report(import, view, report, &fit);
     return (fit.known > 0 && fit.off <= CODES_OFF_MAX) ||
            ffp_fail_by(

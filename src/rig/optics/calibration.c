@@ -3,6 +3,7 @@
 #include "core/base/arena.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "rig/optics/colmap_write.h"
 #include "rig/optics/document.h"
 
 void ffp_calibration_pose_views(const FfpCalibration *calibration, FfpCapture *capture) {
@@ -97,7 +98,7 @@ static bool read_neighbour(FfpCalibration *calibration, const char *path, FfpErr
 bool ffp_calibration_read(FfpCalibration *calibration, const char *const *files, int n_files,
                           const char *projector_image, FfpError *err) {
     *calibration = (FfpCalibration){0};
-    if (!projector_image) projector_image = "calib";
+    if (!projector_image) projector_image = FFP_COLMAP_PROJECTOR;
     if (n_files < 1) return ffp_fail(err, FFP_ERROR_FILE, "calibrations", "no calibration given");
     for (int i = 0; i < n_files; i++) {
         if (!read_one(calibration, files[i], projector_image, err)) return false;

@@ -10,6 +10,7 @@
 #include "core/base/real.h"
 #include "core/capture/manifest.h"
 #include "rig/optics/calibration.h"
+#include "rig/optics/colmap_write.h"
 #include "rig/optics/document.h"
 #include "rig/optics/matrix.h"
 
@@ -229,7 +230,7 @@ static bool optics_of(const Colmap *colmap, const ColmapImage *image, const char
     return ffp_document_fail(path, image->line, err, "camera %ld is not in cameras.txt", image->camera);
 }
 
-static bool is_projector(const char *name, const char *stem) {
+bool ffp_colmap_is_called(const char *name, const char *stem) {
     const char *base = ffp_basename(name);
     const size_t length = strlen(stem);
     return strncmp(base, stem, length) == 0 && (base[length] == 0 || base[length] == '.');
@@ -242,7 +243,7 @@ static bool name_stop(FfpCalibration *calibration, int stop, const FfpNode *file
     bool alike = base != name;
     for (int i = 0; alike && i < colmap->n_images; i++) {
         const char *other = colmap->images[i].name;
-        alike = is_projector(other, projector_image) || strcmp(ffp_basename(other), base) == 0;
+        alike = ffp_colmap_is_called(other, projector_image) || strcmp(ffp_basename(other), base) == 0;
     }
     if (!alike || colmap->n_images < 3) return ffp_name_stop_by_file(calibration, stop, file, name, err);
     char folder[FFP_NAME_MAX];
@@ -257,7 +258,7 @@ static bool distribute(FfpCalibration *calibration, const Colmap *colmap, const 
     const FfpNode file = {.file = path};
     int projectors = 0, stop = 0;
     for (int i = 0; i < colmap->n_images; i++)
-        projectors += is_projector(colmap->images[i].name, projector_image);
+        projectors += ffp_colmap_is_called(colmap->images[i].name, projector_image);
     if (projectors != 1) {
         return ffp_fail(err, FFP_ERROR_FILE, "projector_image",
                         "%s: %d images are called '%.60s': the projector must be one of COLMAP's images",
@@ -266,7 +267,7 @@ static bool distribute(FfpCalibration *calibration, const Colmap *colmap, const 
     if (!ffp_calibration_new_stops(calibration, &file, colmap->n_images - 1, err)) return false;
     for (int i = 0; i < colmap->n_images; i++) {
         const ColmapImage *image = &colmap->images[i];
-        if (is_projector(image->name, projector_image)) {
+        if (ffp_colmap_is_called(image->name, projector_image)) {
             if (!optics_of(colmap, image, path, &calibration->projector, err)) return false;
             ffp_place_projector(calibration, image->c2w);
             continue;

@@ -6,6 +6,8 @@
 #include "core/base/rigid.h"
 #include "core/capture/optics.h"
 
+#define FFP_COLMAP_PROJECTOR "calib" // the picture that stands for the projector
+
 typedef struct FfpColmapImage {
     const char *name; // of its file
     int camera;       // index
@@ -26,6 +28,8 @@ typedef struct FfpColmapModel {
     size_t n_points;
 } FfpColmapModel;
 
+// True if a picture, "left/calib.jpg", is called so.
+bool ffp_colmap_is_called(const char *name, const char *stem);
 // cameras.txt, images.txt and points3D.txt into a folder that exists. Ids count from 1.
 bool ffp_colmap_write(const FfpColmapModel *model, const char *folder, FfpError *err);
 

@@ -1,8 +1,10 @@
 #include "rig/optics/matrix.h"
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#define POINT ": decimals take a point, not a comma"
 #define NUMBER_MAX 1e9 // as of poses: squares of it still fit a float
 
 static bool append(const FfpNode *field, FfpMatrix *matrix, int *count, double value, FfpError *err) {
@@ -14,8 +16,22 @@ static bool append(const FfpNode *field, FfpMatrix *matrix, int *count, double v
     return true;
 }
 
+// True of "408,5" and "0,12 0,05", not of "1, 2" and "1,2,3; 4,5,6".
+static bool has_decimal_comma(const char *text) {
+    for (const char *at = text, *end; at && *at != 0; at = end + strspn(end, " ;")) {
+        end = at + strcspn(at, " ;");
+        const char *comma = memchr(at, ',', (size_t)(end - at));
+        if (comma && comma > at && isdigit((unsigned char)comma[-1]) && isdigit((unsigned char)comma[1]) &&
+            !memchr(comma + 1, ',', (size_t)(end - comma - 1)))
+            return true;
+    }
+    return false;
+}
+
 static bool append_text(const FfpNode *field, FfpMatrix *matrix, int *count, FfpError *err) {
     const char *text = json_string_value(field->value);
+    if (strpbrk(text, " ;") && has_decimal_comma(text))
+        return ffp_node_fail(field, err, "'%.60s' is not a row of numbers%s", text, POINT);
     for (const char *at = text + strspn(text, " ,;"); *at != 0; at += strspn(at, " ,;")) {
         char *end = NULL;
         const double value = strtod(at, &end);
@@ -37,7 +53,9 @@ static bool append_row(const FfpNode *field, FfpMatrix *matrix, int *count, FfpE
     for (int i = 0; i < n; i++) {
         FfpNode item;
         if (!ffp_node_item(field, i, &item, err)) return false;
-        if (!json_is_number(item.value)) return ffp_node_fail(&item, err, "must be a number");
+        if (!json_is_number(item.value))
+            return ffp_node_fail(&item, err, "must be a number%s",
+                                 has_decimal_comma(json_string_value(item.value)) ? POINT : "");
         if (!append(&item, matrix, count, json_number_value(item.value), err)) return false;
     }
     return true;
@@ -57,8 +75,8 @@ static bool read_opencv(const FfpNode *field, FfpMatrix *matrix, FfpError *err) 
         return ffp_node_fail(&type, err, "'%.20s': only single-channel matrices are supported", dt);
     if (!append_row(&data, matrix, &count, err)) return false;
     return count == matrix->rows * matrix->cols ||
-           ffp_node_fail(&data, err, "holds %d numbers, but the matrix has %d x %d", count, matrix->rows,
-                         matrix->cols);
+           ffp_node_fail(&data, err, "holds %d numbers, but the matrix has %d x %d%s", count, matrix->rows,
+                         matrix->cols, count > matrix->rows * matrix->cols ? POINT : "");
 }
 
 bool ffp_node_matrix(const FfpNode *field, FfpMatrix *matrix, FfpError *err) {

@@ -3,10 +3,12 @@
 #include <stdio.h>
 #include "core/base/alloc.h"
 #include "core/base/log.h"
+#include "core/capture/node.h"
 #include "core/image/photograph.h"
 #include "core/numerics/rank.h"
 #include "rig/findings/tell.h"
 #include "rig/graycode/graycode.h"
+#include "rig/optics/colmap_write.h"
 #include "rig/selfcal/selfcal.h"
 #include "rig/shots/folders.h"
 #include "rig/shots/tags.h"
@@ -69,6 +71,7 @@ static bool read_place(Reading *r, int index, FfpError *err) {
     if (!ok) return leave_out(place, &error, err);
     ffp_note("%s: codes read at %.0f %% of the lit pixels", place->name, 100.0 * report.decoded / report.lit);
     ffp_gray_tell_light(&report, place->name);
+    ffp_gray_note_clipped(&report, place->name);
     r->step = fmax(r->step, report.step);
     return true;
 }
@@ -138,10 +141,28 @@ static bool read_places(Reading *r, bool one, bool turns, FfpError *err) {
     return ok;
 }
 
+// Places become names of pictures and views, of a walk beside calib.jpg, which is the projector.
+static bool check_names(const FfpShotFolders *folders, bool turns, FfpError *err) {
+    for (int i = 0; i < folders->n; i++) {
+        const char *name = folders->folders[i].name;
+        if (!ffp_is_name(name))
+            return ffp_fail(
+                err, FFP_ERROR_FILE, folders->folders[i].files[0],
+                "rename the folder: no view can be called so (up to %d bytes of UTF-8 without \\)",
+                FFP_NAME_MAX - 1);
+        if (!turns && ffp_colmap_is_called(name, FFP_COLMAP_PROJECTOR))
+            return ffp_fail(err, FFP_ERROR_FILE, folders->folders[i].files[0],
+                            "rename the folder: the projector is called '%s' in the result",
+                            FFP_COLMAP_PROJECTOR);
+    }
+    return true;
+}
+
 bool ffp_places_read(const FfpSelfCalibration *o, FfpTracks *tracks, FfpError *err) {
     Reading r = {.tracks = tracks, .shrink = 1, .linear = o->linear};
     tracks->panel_width = o->width, tracks->panel_height = o->height;
     bool ok = ffp_shot_folders_find(&r.folders, o->places, o->n_places, err) &&
+              check_names(&r.folders, o->n_angles > 0, err) &&
               (!o->shown || ffp_shot_folders_select_codes(&r.folders, o->shown, &tracks->panel_width,
                                                           &tracks->panel_height, err)) &&
               read_places(&r, !o->camera_per_folder, o->n_angles > 0, err);

@@ -62,7 +62,7 @@ static int set_images(const FfpBundle *b, const World *world, FfpColmapImage *im
         images[n] = (FfpColmapImage){names[n], has_own(b) ? n : 0, in_world(world, &b->places[p])};
         n++;
     }
-    images[n] = (FfpColmapImage){"calib.jpg", has_own(b) ? n : 1, in_world(world, &itself)};
+    images[n] = (FfpColmapImage){FFP_COLMAP_PROJECTOR ".jpg", has_own(b) ? n : 1, in_world(world, &itself)};
     return n + 1;
 }
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 #include "core/base/arena.h"
 #include "core/base/call.h"
 #include "core/base/file.h"
@@ -212,6 +213,19 @@ static bool find_files(glob_t *found, const FfpFileSet *set, const Blanks *blank
                                    "no file matches (.JPG is not .jpg), or the folder cannot be read");
 }
 
+// Puts others behind the photographs: links that lead nowhere, and what other programs leave beside pictures
+// (Thumbs.db, 001.xmp). Returns how many photographs there are; of none, how many files, whatever they are.
+static size_t photographs_first(const glob_t *found) {
+    size_t n = 0;
+    for (size_t i = 0; i < found->gl_pathc; i++) {
+        char *path = found->gl_pathv[i];
+        if (access(path, F_OK) != 0 || !ffp_photograph_has_ending(path)) continue;
+        found->gl_pathv[i] = found->gl_pathv[n];
+        found->gl_pathv[n++] = path;
+    }
+    return n > 0 ? n : found->gl_pathc;
+}
+
 // A view's files, fewer than its names, in their places; false: their numbers do not tell these.
 static bool place_some(const char **paths, FfpArena *arena, const FfpFileSet *set, const Part *part,
                        char *const *found, size_t n) {
@@ -243,12 +257,13 @@ static bool match(const char **paths, FfpArena *arena, const FfpFileSet *set, co
         return false;
     }
     ffp_own(found, free_glob);
-    qsort(found->gl_pathv, found->gl_pathc, sizeof *found->gl_pathv, ffp_compare_paths);
+    const size_t n = photographs_first(found);
+    qsort(found->gl_pathv, n, sizeof *found->gl_pathv, ffp_compare_paths);
     const char **names = (const char **)found->gl_pathv;
     int twins = 0;
-    const int twin = ffp_find_twins(names, (int)found->gl_pathc, &twins);
-    const bool all = found->gl_pathc == (size_t)part->count;
-    if (part->by_view) ffp_unwrap_numbers(names, (int)found->gl_pathc);
+    const int twin = ffp_find_twins(names, (int)n, &twins);
+    const bool all = n == (size_t)part->count;
+    if (part->by_view) ffp_unwrap_numbers(names, (int)n);
     bool ok = all;
     if (!all && twin >= 0)
         ffp_fail_by(
@@ -256,8 +271,7 @@ static bool match(const char **paths, FfpArena *arena, const FfpFileSet *set, co
             &(FfpFacts){.x = twins, .a = ffp_basename(names[twin]), .b = ffp_basename(names[twin + 1])},
             part->path, err);
     else if (!all)
-        ok = place_some(paths, arena, set, part, found->gl_pathv, found->gl_pathc) ||
-             wrong_number(set, part, found->gl_pathc, err);
+        ok = place_some(paths, arena, set, part, found->gl_pathv, n) || wrong_number(set, part, n, err);
     for (int i = 0; all && i < part->count; i++)
         paths[part->at + i * part->stride] = ffp_arena_text(arena, found->gl_pathv[i]);
     ffp_disown(found);

@@ -163,12 +163,28 @@ static bool are_unique(const char *const *names, int n) {
     return true;
 }
 
-// Folders of one name in several places are called by the first part of their paths that tells them apart.
+// The last parts of the path to a folder's files, depth + 1 of them: "monday-left-shots"; NULL: there are
+// fewer.
+static const char *parts_of(FfpArena *arena, const FfpShotFolder *folder, int depth) {
+    char name[FFP_PATH_MAX] = "";
+    for (int k = depth; k >= 0; k--) {
+        const char *part = part_of(arena, folder, k);
+        const size_t length = strlen(name);
+        if (!part) return NULL;
+        snprintf(name + length, sizeof name - length, "%s%s", length ? "-" : "", part);
+    }
+    return ffp_arena_text(arena, name);
+}
+
+// Folders of one name in several places are called by the first part of their paths that tells them apart, or
+// by several.
 static void name_apart(FfpShotFolders *out) {
     const char *names[FFP_SHOT_FOLDERS_MAX];
-    for (int depth = 0; depth < DEPTH_MAX; depth++) {
+    for (int try = 0; try < 2 * DEPTH_MAX; try++) {
+        const int depth = try % DEPTH_MAX;
         for (int i = 0; i < out->n; i++)
-            names[i] = depth ? part_of(out->arena, &out->folders[i], depth) : out->folders[i].name;
+            names[i] = try == 0 ? out->folders[i].name
+                                : (try < DEPTH_MAX ? part_of : parts_of)(out->arena, &out->folders[i], depth);
         if (!are_unique(names, out->n)) continue;
         for (int i = 0; i < out->n; i++) out->folders[i].name = names[i];
         return;

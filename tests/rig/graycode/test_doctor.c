@@ -28,6 +28,7 @@ typedef struct Devices {
     double veil, room;             // share of the light that is spread; of white
     double power;                  // of the photographs' light
     double exposure;               // of these; 0: 1
+    double shade;                  // by which the wall is darker at its right side
     uint64_t seed;                 // of place, size and noise
 } Devices;
 
@@ -95,7 +96,8 @@ static void photograph(const Devices *d, const FfpImage *sent, int index, const 
             sum += light_at(&shown, PANEL_WIDTH / 2 + step * x + lean * y,
                             PANEL_HEIGHT / 2 + step * y - lean * x);
         }
-        const double albedo = 0.4 + 0.1 * sin(0.11 * (i % WIDTH)) * cos(0.07 * (i / WIDTH)),
+        const double albedo = (0.4 + 0.1 * sin(0.11 * (i % WIDTH)) * cos(0.07 * (i / WIDTH))) *
+                              (1 - d->shade * (i % WIDTH) / WIDTH),
                      light = sum / (SAMPLES * SAMPLES) + 0.02 + d->room,
                      band = 1 + d->bands * sin(phase + 25.0 * i / (WIDTH * HEIGHT));
         for (int c = 0; c < 3; c++)
@@ -200,6 +202,8 @@ static const Devices faults[] = {
     {"room 3", "codes-black", .room = 3},
     {"contrast", "codes-response", .power = 1.6, .blur = 1.5},
     {"linear", "codes-linear", .power = 2.2, .blur = 1},
+    {"bright 6", "", .exposure = 6, .shade = 0.95}, // overexposed at one side
+    {"bright 12", "", .exposure = 12, .shade = 0.98},
 };
 
 static void each_fault_is_told(void **state) {

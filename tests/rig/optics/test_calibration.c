@@ -167,6 +167,13 @@ static void test_good(void **state) {
     near(calibration.projector.fy, 90);
     near(calibration.p2c[3], -1);
     ffp_calibration_free(&calibration);
+    write_text("good.yml",
+               "camK: [ '100,0,31.5; 0,100,23.5; 0,0,1' ]\nprjK: [ '90, 0, 15', '0, 90, 11', '0 0 1' ]\n"
+               "R: [ 1, 0, 0, 0, 1, 0, 0, 0, 1 ]\nT: [ '1,0,0' ]\n");
+    must_read(files, 1);
+    near(calibration.camera.cx, 32);
+    near(calibration.projector.fy, 90);
+    ffp_calibration_free(&calibration);
 }
 
 static void test_bad_fields(void **state) {
@@ -189,6 +196,11 @@ static void test_bad_fields(void **state) {
     must_refuse("cols: 4\n   dt: d\n   data: [ 0.1, 0.2, 0., 0. ]",
                 "cols: 8\n   dt: d\n   data: [ 0.1, 0.2, 0., 0., 0., 1., 0., 0. ]",
                 "unknown distortion model");
+    must_refuse("100., 0., 31.5", "100,5, 0., 31,5",
+                "holds 11 numbers, but the matrix has 3 x 3: decimals take a point");
+    must_refuse("[ [ 90, 0, 15 ]", "[ [ '90,5', 0, 15 ]", "prjK[0][0]");
+    must_refuse("[ [ 90, 0, 15 ]", "[ [ '90,5', 0, 15 ]", "decimals take a point");
+    must_refuse("[ 0.1, 0.2, 0., 0. ]", "\"0,1 0,2\"", "decimals take a point");
     must_refuse("[ 0, 90, 11 ]", "[ 0, 90 ]", "different lengths");
     must_refuse("R: [ 1, 0", "R: [ 1, 0.3", "not rigid");
     must_refuse("R: [ 1,", "R: [ -1,", "mirrors");

@@ -1,5 +1,6 @@
 // The lens that photographs' files tell: of every file, not of a folder's first.
 #include "core/base/call.h"
+#include "core/capture/capture.h"
 #include "rig/selfcal/selfcal.h"
 #include "rig/shots/tagged.h"
 #include "scratch.h"
@@ -81,8 +82,50 @@ static void orientations_must_be_alike(void **state) {
     }
 }
 
+// Reads a folder of one photograph that is called so; the error's text.
+static const char *refuse_name(const char *name, const double *angles, FfpError *err) {
+    char file[512];
+    unsigned char grey[3 * 64 * 64] = {0};
+    snprintf(file, sizeof file, "named/%s", name);
+    mkdir(in_scratch("named"), 0777), mkdir(in_scratch(file), 0777);
+    snprintf(file, sizeof file, "named/%s/001.jpg", name);
+    write_tagged(in_scratch(file), grey, 64, 64, &(FfpTakenBy){.focal_35mm = 50}, 1);
+    snprintf(file, sizeof file, "%s", in_scratch("named"));
+    snprintf(file + strlen(file), sizeof file - strlen(file), "/%s", name);
+    const char *const folders[] = {file};
+    const FfpSelfCalibration options = {.places = folders,
+                                        .n_places = 1,
+                                        .width = 64,
+                                        .height = 64,
+                                        .angles = angles,
+                                        .n_angles = angles != NULL};
+    FfpTracks tracks = {0};
+    *err = (FfpError){0};
+    ffp_places_read(&options, &tracks, err);
+    ffp_tracks_free(&tracks);
+    return err->text;
+}
+
+// No place may be called as the projector's picture, or as no view can be.
+static void names_must_do_for_views(void **state) {
+    (void)state;
+    static const double angle = 0;
+    char longest[FFP_NAME_MAX + 1];
+    FfpError err;
+    memset(longest, 'a', sizeof longest);
+    longest[FFP_NAME_MAX] = 0;
+    assert_non_null(strstr(refuse_name("calib", NULL, &err), "rename"));
+    assert_non_null(strstr(refuse_name("calib.old", NULL, &err), "rename"));
+    assert_non_null(strstr(refuse_name(longest, &angle, &err), "rename"));
+    assert_non_null(strstr(refuse_name("mitte\xe4", NULL, &err), "rename"));
+    assert_null(strstr(refuse_name("calib", &angle, &err), "rename"));
+    assert_null(strstr(refuse_name("calibration", NULL, &err), "rename"));
+    assert_null(strstr(refuse_name(longest + 1, NULL, &err), "rename"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(every_file_says_its_lens),
-                                       cmocka_unit_test(orientations_must_be_alike)};
+                                       cmocka_unit_test(orientations_must_be_alike),
+                                       cmocka_unit_test(names_must_do_for_views)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }
