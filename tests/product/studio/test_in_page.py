@@ -191,6 +191,18 @@ def make(page):
     return seconds
 
 
+def most_memory():
+    """Of the browser's processes that draw pages and compute in them, the largest one's peak, GB."""
+    most = 0
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            if b"--type=renderer" in (folder / "cmdline").read_bytes():
+                most = max(most, int((folder / "status").read_text().split("VmHWM:")[1].split()[0]))
+        except (OSError, IndexError):
+            pass  # it ended
+    return most / 1e6
+
+
 def scores_of(text):
     return {row["protocol"]: row["psnr"] for row in json.loads(text)["rows"]}
 
@@ -274,7 +286,8 @@ def main():
     try:
         began = time.monotonic()
         page.enter()
-        print(f"opened in {time.monotonic() - began:.1f} s")
+        painted = super(Page, page).run("performance.getEntriesByName('first-contentful-paint')[0].startTime")
+        print(f"opened in {time.monotonic() - began:.1f} s, painted first after {painted / 1000:.2f} s")
         set_up(page, size)
         page.shots(folder, "rig")
         page.click("#draw")
@@ -296,7 +309,7 @@ def main():
         commands = json.loads(page.run("textOf('logs/make.json')"))["commands"] + json.loads(
             page.run("textOf('logs/evaluate.json')"))["commands"]
         own, other = save_and_compare(page, program, folder, commands)
-        print(f"made in {seconds:.0f} s; page and program, dB: " + ", ".join(f"{name} {own[name]:.2f} {other[name]:.2f}" for name in own))
+        print(f"made in {seconds:.0f} s, at most {most_memory():.2f} GB in one process; page and program, dB: " + ", ".join(f"{name} {own[name]:.2f} {other[name]:.2f}" for name in own))
         assert all(abs(own[name] - other[name]) < APART for name in own), (own, other)
         begin_again(page, folder)
         asked = [url for url in page.requests if not url.startswith(("file:", "blob:", "data:", "about:"))]
