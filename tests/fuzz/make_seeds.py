@@ -146,6 +146,7 @@ def splats():
     write('gltf', 'carried.glb', gltf_splats(True, moved='parent'))
     write('gltf', 'camera.glb', gltf_splats(True, moved='camera'))
     write('gltf', 'twice.glb', gltf_splats(True, times=2))
+    write('gltf', 'mixed.glb', gltf_splats(True, change=lambda root: root['meshes'][0]['primitives'].append({'attributes': {'POSITION': 0}})))
     write('gltf', 'size.glb', gltf_splats(True, size=math.nan))
     write('gltf', 'none.glb', gltf_splats(True, extension='KHR_other'))
     write('gltf', 'thin.glb', gltf_splats(True, size=0))
