@@ -156,7 +156,7 @@ static bool is_of(const char *address, const char *control) {
     return plain < length ? address[plain] != 0 : strchr("/*?[{", address[length]) != NULL;
 }
 
-// What no control begins like is FOREIGN; no later message takes the place of a PRESS.
+// FOREIGN: no control begins like it. PRESS: no later message takes its place.
 static int sort_of(const char *address) {
     static const char *const presses[] = {"/go", "/hold", "/back", "/cue"}, *const others[] = {
                                                                                 "/fade", "/blackout", "/test",

@@ -268,7 +268,7 @@ static void profiles_of_animations_are_told(void **state) {
     if (!strstr(said.words, "its colour profile is left out")) fail_msg("said \"%s\"", said.words);
 }
 
-// What cameras and editors write; of tapes the frames alone tell that they are interlaced.
+// Containers of cameras and editors. Of tapes the frames alone tell that they are interlaced.
 static void films_of_cameras(void **state) {
     (void)state;
     static const struct {
