@@ -254,6 +254,13 @@ class Midi {
     listen();
   }
 
+  // Controls that a stage, or the page as it was left, says the meaning of are heard without another Learn.
+  async wake() {
+    if (this.access || this.asked || !Object.keys(this.bindings).length) return;
+    this.asked = true;
+    await this.open().catch((error) => say(`MIDI controls do nothing yet: ${error.message} Learn tries again.`));
+  }
+
   // The next control that is moved will be this address'.
   async learn(address) {
     await this.open();
@@ -303,6 +310,7 @@ function buildControl(app) {
     }
     $('learn').textContent = midi.learns ? 'Listening…' : 'Learn';
     if (what && what !== 'midi') return;
+    midi.wake();
     $('bindings').replaceChildren(...Object.entries(midi.bindings).map(([key, address]) => {
       const remove = element('button', {textContent: '×', className: 'small', title: `Forget ${key}`, onclick: () => { midi.forget(key); app.history.note(); }});
       remove.setAttribute('aria-label', remove.title);

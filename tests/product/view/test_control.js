@@ -5,8 +5,8 @@ const assert = require('assert'), fs = require('fs'), path = require('path'), vm
 const line = {}, sandbox = {attempt: (work) => work, $: () => line};
 vm.createContext(sandbox);
 vm.runInContext(fs.readFileSync(path.join(__dirname, '../../../view/control.js'), 'utf8') +
-                '\nglobalThis.api = {understand, matchesPattern, CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, applyEvents, followStudio, BINDINGS_MAX};', sandbox);
-const {understand, matchesPattern, CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, applyEvents, followStudio, BINDINGS_MAX} = sandbox.api;
+                '\nglobalThis.api = {understand, matchesPattern, CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, applyEvents, followStudio, Midi, BINDINGS_MAX};', sandbox);
+const {understand, matchesPattern, CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, applyEvents, followStudio, Midi, BINDINGS_MAX} = sandbox.api;
 const plain = (value) => JSON.parse(JSON.stringify(value === undefined ? null : value)); // objects of this realm
 const same = (a, b) => assert.deepStrictEqual(plain(a), b);
 
@@ -91,6 +91,23 @@ same(order, ['first', 'at once']); // nothing waits for a single one, and a bund
 applyEvents([{address: 'slow', bundle: 4}, {address: 'then', bundle: 4}, {address: 'alone'}, {address: 'other', bundle: 9}], act);
 applyEvents([{address: 'later'}, {address: '/blackout'}], act);
 same(order, ['first', 'at once', '/blackout']);
+// A page that comes back hears its controls; MIDI that is refused is told once, and nobody is asked without need.
+(async () => {
+  const input = {}, heard = [];
+  let asked = 0;
+  Object.assign(sandbox, {say: (text) => heard.push(text), Message: Error, navigator: {requestMIDIAccess: async () => { asked++; return {inputs: new Map([['pedal', input]])}; }}});
+  const midi = new Midi({changed() {}});
+  await midi.wake();
+  same([asked, heard], [0, []]);
+  midi.bindings = {'note 1 60': '/go'};
+  await midi.wake(), await midi.wake();
+  same([asked, typeof input.onmidimessage, heard], [1, 'function', []]);
+  sandbox.navigator = {};
+  const none = Object.assign(new Midi({changed() {}}), {bindings: {'note 1 60': '/go'}});
+  await none.wake(), await none.wake();
+  assert.ok(heard.length === 1 && /^MIDI controls do nothing yet: This browser has no MIDI\..* Learn tries again\.$/.test(heard[0]), heard.join());
+})();
+
 // A studio that has ended is told: no GO comes from it any more.
 const answers = [{osc: '127.0.0.1:9000', number: 0, events: [], passed_over: 0}];
 Object.assign(sandbox, {location: {pathname: `/${'0'.repeat(32)}/file/page.html`, protocol: 'http:'}, performance, setTimeout: (work) => work(),
