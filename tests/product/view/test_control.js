@@ -91,7 +91,7 @@ same(order, ['first', 'at once']); // nothing waits for a single one, and a bund
 applyEvents([{address: 'slow', bundle: 4}, {address: 'then', bundle: 4}, {address: 'alone'}, {address: 'other', bundle: 9}], act);
 applyEvents([{address: 'later'}, {address: '/blackout'}], act);
 same(order, ['first', 'at once', '/blackout']);
-// A page that comes back hears its controls; MIDI that is refused is told once, and nobody is asked without need.
+// A page that comes back hears its controls; MIDI that is refused is reported once, and nobody is asked without need.
 (async () => {
   const input = {}, heard = [];
   let asked = 0;
