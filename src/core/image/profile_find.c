@@ -134,8 +134,8 @@ static FfpColourProfile find_in_jpeg(const FfpEncoded *file) {
 // ICCP, which follows the header of files that have it: its name, its length, the profile.
 static FfpColourProfile find_in_webp(const FfpEncoded *file) {
     enum { AT = 30, HEAD = 8 };
+    if (file->size < AT + HEAD || memcmp(file->data + AT, "ICCP", 4) != 0) return (FfpColourProfile){0};
     const unsigned char *chunk = file->data + AT;
-    if (file->size < AT + HEAD || memcmp(chunk, "ICCP", 4) != 0) return (FfpColourProfile){0};
     const size_t length = chunk[4] | (size_t)chunk[5] << 8 | (size_t)chunk[6] << 16 | (size_t)chunk[7] << 24;
     return ffp_profile_of_icc(chunk + HEAD, length > file->size - AT - HEAD ? 0 : length);
 }
