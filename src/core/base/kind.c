@@ -35,7 +35,7 @@ static bool is_field(const unsigned char *head, size_t size) {
     return holds(head, size, "\"ffprocams neural field 1\"");
 }
 
-// A .splat has no mark, and its first number may begin like another file; JSON is text.
+// A .splat has no mark, and its first number may begin like JSON, which is text.
 static bool is_text(const unsigned char *head, size_t size) {
     for (size_t i = 0; i < size; i++)
         if (head[i] == 0 || (head[i] < ' ' && !strchr("\t\r\n", head[i]))) return false;
@@ -64,10 +64,10 @@ FfpKind ffp_file_kind(const char *path) {
         return is_field(head, size) ? FFP_KIND_FIELD : FFP_KIND_WEIGHTS;
     if (begins(head, size, "ply", 3) && size > 3 && head[3] != 0 && strchr(" \t\r\n", head[3]))
         return FFP_KIND_PLY;
-    if ((!bare && begins(head, size, "\x1f\x8b", 2)) || begins(head, size, "NGSP", 4)) return FFP_KIND_SPZ;
+    if (begins(head, size, "\x1f\x8b\x08", 3) || begins(head, size, "NGSP", 4)) return FFP_KIND_SPZ;
     if (begins(head, size, "glTF", 4) || (is_json(head, size) && ends_with(path, ".gltf")))
         return FFP_KIND_GLTF;
-    if (!bare && is_image(head, size)) return FFP_KIND_IMAGE;
+    if (is_image(head, size)) return FFP_KIND_IMAGE;
     if (!bare && is_json(head, size))
         return is_foreign_json(head, size, path) ? FFP_KIND_UNKNOWN : FFP_KIND_JSON;
     return ends_with(path, ".splat") ? FFP_KIND_SPLAT : FFP_KIND_UNKNOWN;
