@@ -8,7 +8,7 @@
 //   switch   turns    on unless 0, false      'on', '1', 'off', '0' and the like
 //   range    -        that number, in range   the number that it holds
 //   cue      -        whole: that cue         the cue of that name
-// Anything else is not understood. MIDI's values span a range; its keys act when pressed, its faders when they pass the middle.
+// Anything else is not understood. MIDI's values span a range; its keys act when pressed, its faders as valuesOfMidi says.
 const CONTROLS = {
   '/go': 'press', '/hold': 'press', '/back': 'press', '/cue': 'cue', '/cue/#': 'press', '/fade': [0, 60], '/blackout': 'switch', '/test': 'switch', '/level': [0, 1],
   '/projector/#/on': 'switch', '/projector/#/brightness': [-4, 4], '/projector/#/gain': [-4, 4], '/projector/#/layer/#/opacity': [0, 1],
@@ -108,13 +108,15 @@ function shareOfMidi([status, first, second = 0]) {
 }
 
 // The values that a MIDI control sends to an address. Keys and pads turn a switch when they are pressed, faders set it; a
-// fader or pedal presses once each time it passes the middle upwards.
+// fader or pedal presses once each time it passes the middle upwards, a wheel, which rests there, three quarters. A button
+// that does not tell of its release presses each time with the same value, all of it.
 function valuesOfMidi(address, {key, share, before = 0}) {
   const found = controlAt(address), fader = /^(control|bend)/.test(key);
   if (!found) return null;
   if (Array.isArray(found.kind)) return [found.kind[0] + share * (found.kind[1] - found.kind[0])];
   if (found.kind === 'switch') return fader ? [share >= 0.5] : share > 0 ? [] : null;
-  return [fader ? share >= 0.5 && before < 0.5 : share > 0];
+  const least = key.startsWith('bend') ? 0.75 : 0.5;
+  return [fader ? share >= least && (before < least || (before === 1 && share === 1)) : share > 0];
 }
 
 function checkBindings(bindings) {
@@ -145,7 +147,7 @@ const onProjector = (change) => (app, [p], value) => {
 };
 
 const DOES = {
-  '/go': (app) => app.show.go(), '/hold': (app) => app.show.stop(), '/back': (app) => app.show.go(Math.max(0, app.show.at - 1)),
+  '/go': (app) => app.show.go(), '/hold': (app) => app.show.stop(), '/back': (app) => app.show.go(Math.max(0, app.show.here - 1)),
   '/cue': (app, _, value) => app.show.go(typeof value === 'string' ? app.show.find(value) : value - 1), '/cue/#': (app, [n]) => app.show.go(n),
   '/fade': (app, _, value) => { app.show.fade = value; },
   '/blackout': (app, _, value) => blackout(app, value === null ? !app.dark : value),
@@ -233,6 +235,9 @@ async function followStudio(app) {
     }
     await new Promise((done) => setTimeout(done, failed ? 1000 : 100));
   }
+  if (!app.heard) return;
+  app.heard.osc = 'no more, the studio does not answer';
+  drawHeard(app);
 }
 
 // --- MIDI. ---
@@ -247,6 +252,13 @@ class Midi {
     const listen = () => { for (const input of this.access.inputs.values()) input.onmidimessage = ({data}) => this.hear(data); };
     this.access.onstatechange = () => { listen(); this.app.changed('midi'); };
     listen();
+  }
+
+  // Controls that a stage, or the page as it was left, says the meaning of are heard without another Learn.
+  async wake() {
+    if (this.access || this.asked || !Object.keys(this.bindings).length) return;
+    this.asked = true;
+    await this.open().catch((error) => say(`MIDI controls do nothing yet: ${error.message} Learn tries again.`));
   }
 
   // The next control that is moved will be this address'.
@@ -298,6 +310,7 @@ function buildControl(app) {
     }
     $('learn').textContent = midi.learns ? 'Listening…' : 'Learn';
     if (what && what !== 'midi') return;
+    midi.wake();
     $('bindings').replaceChildren(...Object.entries(midi.bindings).map(([key, address]) => {
       const remove = element('button', {textContent: '×', className: 'small', title: `Forget ${key}`, onclick: () => { midi.forget(key); app.history.note(); }});
       remove.setAttribute('aria-label', remove.title);

@@ -64,7 +64,9 @@ async function contentOf(app, described) {
   if (colour !== undefined) return new SolidContent(checkColour(colour));
   if (file !== undefined && app.library.find(file)) return app.library.find(file).content;
   const index = app.scene.patterns.findIndex((p) => p.name === pattern);
-  return (index >= 0 && await patternContent(app.scene, index)) || new TestContent('White');
+  const found = index >= 0 && await patternContent(app.scene, index), lost = file === undefined ? pattern || effect || test : 'a picture or film';
+  if (!found && lost) say(`Not here, and white in its place: ${String(lost).slice(0, 80)}.`);
+  return found || new TestContent('White');
 }
 
 const checkColour = (colour) => /^#[0-9a-f]{6}$/i.test(colour) ? colour : '#ffffff';
@@ -205,6 +207,8 @@ function bytesToText(bytes) {
   return btoa(text);
 }
 
+const textOf = async (blob) => bytesToText(new Uint8Array(await blob.arrayBuffer()));
+
 // Paint as PNG in base64, so that it can be written down.
 function plainState(state) {
   const text = (paint) => paint.text = paint.text || paint.toDataURL('image/png').split(',')[1]; // a copy stays as it is (paintOf)
@@ -214,7 +218,7 @@ function plainState(state) {
 async function stageText(app) {
   const files = [];
   for (const {id, name, blob, live} of app.library.entries)
-    files.push(live ? {id, name, live} : {id, name, type: blob.type, data: bytesToText(new Uint8Array(await blob.arrayBuffer()))});
+    files.push(live ? {id, name, live} : {id, name, type: blob.type, data: await textOf(blob)});
   return JSON.stringify({format: STAGE_FORMAT, object: app.scene.name, ...plainState(stateOf(app)), files});
 }
 
@@ -340,6 +344,13 @@ async function checkState(app, plain) {
   };
 }
 
+// The library's entry of the same file as a stage's, or of the same camera or screen; undefined: there is none.
+async function entryOf(library, id, live, data) {
+  for (const entry of library.entries)
+    if (live ? entry.live === live && (live === 'camera' || entry.id === id) : entry.blob && Math.ceil(entry.blob.size / 3) * 4 === data.length && await textOf(entry.blob) === data) return entry;
+  return undefined;
+}
+
 // A file of stageText: it replaces what the page shows, or a message says why not and nothing changes.
 async function loadStage(app, text) {
   let plain = null;
@@ -349,15 +360,19 @@ async function loadStage(app, text) {
     // told below
   }
   if (!plain || plain.format !== STAGE_FORMAT) throw new Message('This file is not a stage that this page saved.');
-  const state = await checkState(app, plain);
-  for (const {id, name, type, data, live} of list('files', plain.files || [], 200)) {
-    if (app.library.find(String(id))) continue;
+  const state = await checkState(app, plain), renamed = new Map(); // other files may be here by the same names
+  for (const {id: own, name, type, data, live} of list('files', plain.files || [], 200)) {
+    const there = await entryOf(app.library, String(own), live, data), id = there ? there.id : app.library.find(String(own)) ? app.library.freeId() : String(own);
+    renamed.set(String(own), id);
+    if (there) continue;
     if (live) {
-      app.library.addStream(new StreamContent(oneOf('files: live', live, ['camera', 'screen'])), String(id));
+      app.library.addStream(new StreamContent(oneOf('files: live', live, ['camera', 'screen'])), id);
       continue;
     }
-    await app.library.take(new File([readBytes(String(data))], String(name), {type: String(type)}), String(id));
+    await app.library.take(new File([readBytes(String(data))], String(name), {type: String(type)}), id);
   }
+  for (const layer of [...state.projectors, ...state.cues.flatMap(({shown}) => shown)].flatMap(({layers}) => layers))
+    if (layer.source && renamed.has(layer.source.file)) layer.source = {...layer.source, file: renamed.get(layer.source.file)};
   await applyState(app, state, true);
   app.history.note();
   const missing = fontsOf(plain).filter((font) => !hasFont(font));

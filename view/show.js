@@ -33,7 +33,11 @@ class Show {
   constructor(app) {
     this.app = app, this.cues = [], this.at = -1, this.armed = this.playing = false, this.started = 0, this.fade = this.seat = this.follows = null;
     this.asked = -Infinity;
+    this.coming = null; // the cue that a GO still waits for
   }
+
+  // Where the last GO led to.
+  get here() { return this.coming === null ? this.at : this.coming; }
 
   // Of what a reload would end (checkShow).
   get state() {
@@ -124,15 +128,19 @@ class Show {
     this.changed();
   }
 
-  // Fades to a cue, the next one unless another is given; after the last comes the first.
-  async go(index = (this.at + 1) % this.cues.length) {
+  // Fades to a cue, the next one unless another is given; after the last comes the first. The next one of a GO that still
+  // waits for its pictures is the one after its cue.
+  async go(index = (this.here + 1) % this.cues.length) {
     const {app} = this, cue = this.cues[index];
     if (!cue) throw new Message(this.cues.length ? `There is no cue ${index + 1}.` : 'There are no cues yet: show something, then add it as a cue.');
     clearTimeout(this.timer);
     if (!this.playing && !app.windows.open.length) say(`Cue ${index + 1} is shown here alone: no projector window is open.`);
     const seconds = this.fade === null ? cue.fade : this.fade;
     this.fade = null;
-    const started = ++this.started, shown = await Promise.all(cue.shown.map((p, i) => layersOf(app, p.layers, app.projectors[i] && app.projectors[i].layers)));
+    const started = ++this.started;
+    this.coming = index;
+    const shown = await Promise.all(cue.shown.map((p, i) => layersOf(app, p.layers, app.projectors[i] && app.projectors[i].layers)))
+      .finally(() => { if (started === this.started) this.coming = null; });
     if (started !== this.started) return app.release(shown.flat().map((layer) => layer.source));
     if (app.scene.views[cue.pose]) {
       app.jump(app.scene.views[cue.pose], true);
@@ -162,7 +170,7 @@ class Show {
   stop() {
     clearTimeout(this.timer);
     this.started++;
-    this.playing = false;
+    this.coming = null, this.playing = false;
     this.changed();
   }
 }

@@ -201,10 +201,15 @@ def from_transforms(file: PathLike) -> tuple[dict[str, Pinhole], dict[str, Pinho
 _PINHOLE_MODELS = ("PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "RADIAL", "SIMPLE_RADIAL", "FULL_OPENCV", "PERSPECTIVE")
 
 
+# Words of instant-ngp for others.
+_OTHER_LENSES = ("is_fisheye", "latlong", "equirectangular", "ftheta_p0")
+
+
 def _names_of_pictures(paths: list[str]) -> list[str]:
     """File names without folder and suffix, or, if two are the same, paths without suffixes."""
-    stems = [Path(path).stem for path in paths]
-    return stems if len(set(stems)) == len(stems) else [str(Path(path).with_suffix("")) for path in paths]
+    posix = [PurePosixPath(path.replace("\\", "/")) for path in paths]  # of Windows, too
+    stems = [path.stem for path in posix]
+    return stems if len(set(stems)) == len(stems) else [str(path.with_suffix("")) for path in posix]
 
 
 def _check_new(out: dict[str, Pinhole], name: str, files: dict[str, str], where: str, file: str) -> None:
@@ -234,9 +239,9 @@ def _frames(document: dict[str, Any], key: str) -> dict[str, Pinhole]:
             return float(value)
 
         model = frame.get("camera_model", document.get("camera_model", "PINHOLE"))
-        fisheye = frame.get("is_fisheye", document.get("is_fisheye", False))
-        if model not in _PINHOLE_MODELS or fisheye:
-            what = "a fisheye camera" if fisheye else f"{model}"
+        other = next((word for word in _OTHER_LENSES if frame.get(word, document.get(word))), None)
+        if model not in _PINHOLE_MODELS or other:
+            what = f"a camera with {other}" if other else f"{model}"
             raise argument_error(f"is {what}, not a pinhole: undistort the pictures first", f"{where}.camera_model")
         for bent in ("k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"):
             if frame.get(bent, document.get(bent, 0)) != 0:
@@ -412,9 +417,11 @@ def _read_model(folder: Path) -> dict[str, Pinhole]:
 def from_colmap(folder: PathLike) -> tuple[dict[str, Pinhole], dict[str, Pinhole]]:
     """The cameras of a binary COLMAP model (``sparse/0`` or ``sparse`` in the folder, or the folder itself) by the names of
     their images without suffix, and, if to_colmap wrote them, the projectors by the same names. Raises ArgumentError for
-    lens distortion (undistort the images first), for images of the same name, for damaged files, and for text models, which
+    lens distortion (undistort the images first), for images of the same name, for several models, for damaged files, and for text models, which
     pinholes_from_pycolmap reads; FileNotFoundError for missing files."""
     path = Path(folder)
     places = (path / "sparse" / "0", path / "sparse")
+    if places[0].is_dir() and (path / "sparse" / "1").is_dir():
+        raise argument_error("holds several models: name the folder of one, such as sparse/0", str(path / "sparse"))
     cameras = _read_model(next((place for place in places if place.is_dir()), path))
     return cameras, _read_model(path / "projectors") if (path / "projectors").is_dir() else {}

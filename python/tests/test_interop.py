@@ -52,10 +52,14 @@ def test_damaged_transforms(capture: ffprocams.Capture, tmp_path: Path) -> None:
         ({"camera_model": "EQUIRECTANGULAR"}, "EQUIRECTANGULAR, not a pinhole"),
         ({"camera_model": "OPENCV_FISHEYE"}, "undistort"),
         ({"is_fisheye": True}, "fisheye"),
+        ({"latlong": True}, "latlong, not a pinhole"),
+        ({"ftheta_p0": 0.1}, "ftheta_p0, not a pinhole"),
     ):
         file.write_text(json.dumps({**whole, "frames": [{**whole["frames"][0], **change}]}))
         with pytest.raises(ffprocams.ArgumentError, match=word):
             interop.from_transforms(file)
+    file.write_text(json.dumps({**whole, "frames": [{**whole["frames"][0], "file_path": ".\\images\\a.png", "latlong": False}]}))
+    assert list(interop.from_transforms(file)[0]) == ["a"]
     file.write_text(json.dumps({**whole, "frames": [whole["frames"][0]] * 2}))
     with pytest.raises(ffprocams.ArgumentError, match="have the same name"):
         interop.from_transforms(file)
@@ -130,6 +134,12 @@ def test_colmap_folders_and_lenses_of_zero(colmap: Path, tmp_path: Path) -> None
         (sparse / "cameras.bin").write_bytes(cameras[:12] + lens[0] + cameras[16:] + lens[1])
         found = interop.from_colmap(tmp_path)[0]
         assert list(found) == list(wanted) and all(found[name].K.tolist() == wanted[name].K.tolist() for name in wanted)
+    for number in "01":
+        (sparse / number).mkdir()
+    with pytest.raises(ffprocams.ArgumentError, match="holds several models"):
+        interop.from_colmap(tmp_path)
+    for number in "01":
+        (sparse / number).rmdir()
     (sparse / "cameras.bin").unlink()
     (sparse / "cameras.txt").write_text("1 PINHOLE 8 8 8 8 4 4\n")
     with pytest.raises(ffprocams.ArgumentError, match="is a text model: pinholes_from_pycolmap"):

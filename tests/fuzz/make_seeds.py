@@ -146,6 +146,7 @@ def splats():
     write('gltf', 'carried.glb', gltf_splats(True, moved='parent'))
     write('gltf', 'camera.glb', gltf_splats(True, moved='camera'))
     write('gltf', 'twice.glb', gltf_splats(True, times=2))
+    write('gltf', 'mixed.glb', gltf_splats(True, change=lambda root: root['meshes'][0]['primitives'].append({'attributes': {'POSITION': 0}})))
     write('gltf', 'size.glb', gltf_splats(True, size=math.nan))
     write('gltf', 'none.glb', gltf_splats(True, extension='KHR_other'))
     write('gltf', 'thin.glb', gltf_splats(True, size=0))
@@ -235,6 +236,7 @@ def profiles():
     write('profile', 'cicp.png', png(2, 8, extra=[(b'cICP', bytes([12, 13, 0, 1]))]))
     write('profile', 'gama.png', png(2, 8, extra=[(b'gAMA', struct.pack('>I', 100000)), (b'cHRM', struct.pack(
         '>8I', 31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000))]))
+    write('profile', 'iccp.webp', b'RIFF....WEBPVP8X\x0a\0\0\0\x20' + bytes(9) + b'ICCP' + struct.pack('<I', len(icc)) + icc)
     half = len(icc) // 2
     parts = [b'ICC_PROFILE\0' + bytes([i + 1, 2]) + part for i, part in enumerate((icc[:half], icc[half:]))]
     write('profile', 'two.jpg', b'\xff\xd8' + b''.join(b'\xff\xe2' + struct.pack('>H', len(part) + 2) + part for part in parts) +

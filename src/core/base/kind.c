@@ -64,7 +64,7 @@ FfpKind ffp_file_kind(const char *path) {
         return is_field(head, size) ? FFP_KIND_FIELD : FFP_KIND_WEIGHTS;
     if (begins(head, size, "ply", 3) && size > 3 && head[3] != 0 && strchr(" \t\r\n", head[3]))
         return FFP_KIND_PLY;
-    if (begins(head, size, "\x1f\x8b", 2) || begins(head, size, "NGSP", 4)) return FFP_KIND_SPZ;
+    if (begins(head, size, "\x1f\x8b\x08", 3) || begins(head, size, "NGSP", 4)) return FFP_KIND_SPZ;
     if (begins(head, size, "glTF", 4) || (is_json(head, size) && ends_with(path, ".gltf")))
         return FFP_KIND_GLTF;
     if (is_image(head, size)) return FFP_KIND_IMAGE;

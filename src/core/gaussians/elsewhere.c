@@ -8,6 +8,7 @@
 #define FLAT 0.01        // thickness of discs, as a share of their smallest radius
 #define FEW 16           // splats may be as large as all they show
 #define LARGE 0.1        // of the whole: where a splat is that large, it shows nothing
+#define BRIGHT 100.0     // radiance that no splat of 0 to 1 has
 #define LOG_ZERO (-80.0) // logarithms below are of scales that no float holds when squared
 
 void ffp_splats_begin(FfpSplatSet *set, FfpGaussians *gaussians, int64_t count, const char *path) {
@@ -72,7 +73,7 @@ void ffp_splats_note_rest(const char *path, int64_t bytes) {
 // 1 and more, and opacities between those of the logits 0 and 1.
 static void note_plain_numbers(const FfpGaussians *gaussians, const char *name) {
     real low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, whole = 0;
-    int64_t large = 0, middling = 0;
+    int64_t large = 0, middling = 0, bright = 0;
     for (int64_t i = 0; i < 3 * gaussians->count; i++) {
         low[i % 3] = fmin(low[i % 3], gaussians->centre[i]);
         high[i % 3] = fmax(high[i % 3], gaussians->centre[i]);
@@ -82,6 +83,7 @@ static void note_plain_numbers(const FfpGaussians *gaussians, const char *name) 
     for (int64_t i = 0; i < gaussians->count; i++) {
         const real *scale = gaussians->scale + 3 * i, opacity = gaussians->opacity[i];
         large += fmax(fmax(scale[0], scale[1]), scale[2]) > (real)LARGE * whole;
+        bright += gaussians->ambient[3 * i + 1] > (real)BRIGHT;
         middling += opacity >= (real)0.5 && opacity < (real)0.7311;
     }
     if (gaussians->count < FEW) return;
@@ -89,6 +91,8 @@ static void note_plain_numbers(const FfpGaussians *gaussians, const char *name) 
         ffp_note("%s: most splats are larger than a tenth of the whole: were sizes written in place of their "
                  "logarithms?",
                  name);
+    if (2 * bright > gaussians->count)
+        ffp_note("%s: most colours are far above 1: were they written from 0 to 255?", name);
     if (middling == gaussians->count)
         ffp_note("%s: all opacities are between 0.5 and 0.73: were they written in place of their logits?",
                  name);

@@ -368,6 +368,7 @@ typedef struct Scene {
     Placed *placed;
     int count;
     int64_t splats;
+    int others; // primitives that are not splats
 } Scene;
 
 static const json_t *extension_of(const json_t *primitive) {
@@ -450,7 +451,10 @@ static bool add_mesh(const Gltf *gltf, Scene *scene, json_int_t mesh, const Plac
         json_object_get(json_array_get(json_object_get(gltf->root, "meshes"), (size_t)mesh), "primitives");
     for (size_t p = 0; p < json_array_size(list); p++) {
         const json_t *primitive = json_array_get(list, p);
-        if (!extension_of(primitive)) continue;
+        if (!extension_of(primitive)) {
+            scene->others++;
+            continue;
+        }
         if (scene->count == SETS_MAX) return fail(gltf, err, "holds too many sets of splats");
         scene->placed = ffp_grow(scene->placed, (size_t)scene->count + 1, sizeof *scene->placed);
         Placed *placed = &scene->placed[scene->count++];
@@ -493,6 +497,7 @@ static bool find_scene(const Gltf *gltf, Scene *scene, int *parents, FfpError *e
                  *roots = json_object_get(shown, "nodes");
     if (!find_parents(gltf, json_object_get(gltf->root, "nodes"), parents, err)) return false;
     if (roots && !add_meshes(gltf, scene, parents, roots, err)) return false;
+    if (scene->count == 0) scene->others = 0;
     if (scene->count == 0 && !add_meshes(gltf, scene, parents, NULL, err)) return false;
     return scene->count > 0 || fail(gltf, err, "holds no splats (" FFP_SPLAT_EXTENSION ")");
 }
@@ -515,6 +520,9 @@ static bool read_splats(FfpGaussians *gaussians, const Gltf *gltf, FfpError *err
         }
     }
     ok = ok && ffp_splats_end(&set, true, err);
+    if (ok && scene.others > 0)
+        ffp_note("%s: what is not splats is left out: %d primitives of its meshes", ffp_basename(gltf->path),
+                 scene.others);
     for (int p = 0; p < scene.count; p++) ffp_spz_close(scene.placed[p].splats.packed);
     ffp_free(scene.placed);
     ffp_free(parents);

@@ -37,7 +37,7 @@ static bool find_colours(Columns *columns, const FfpPly *ply, const FfpPlyElemen
     for (int k = 0; k < 3; k++) columns->colour[k] = ffp_ply_find(ply, vertex, names[k]);
     if (columns->colour[0] < 0 || columns->colour[1] < 0 || columns->colour[2] < 0) return false;
     const FfpPlyType type = ply->properties[vertex->first + columns->colour[0]].type;
-    columns->colour_white = type == FFP_PLY_UINT8 ? 255 : type == FFP_PLY_UINT16 ? 65535 : 1;
+    columns->colour_white = type == FFP_PLY_UINT16 ? 65535 : type < FFP_PLY_FLOAT ? 255 : 1;
     return true;
 }
 

@@ -73,7 +73,7 @@ typedef enum FfpForeign {
     FFP_FOREIGN_RAW,   // a camera's own format
     FFP_FOREIGN_FILM
 } FfpForeign;
-FfpForeign ffp_foreign_kind(const FfpEncoded *head); // 32 bytes are enough
+FfpForeign ffp_foreign_kind(const FfpEncoded *head); // 512 bytes are enough
 bool ffp_tiff_is_raw(const FfpEncoded *file);        // DNG, NEF, ARW and the like, which are TIFF files
 
 // The orientation tag (1 to 8) of EXIF data, which begin with a TIFF header; 1 where there is none.

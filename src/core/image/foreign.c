@@ -40,6 +40,10 @@ static const Foreign table[] = {
     {4, "\0\0\x01\xba", "an MPEG video", EXTRACT},
     {4, "\0\0\x01\xb3", "an MPEG video", EXTRACT},
     {4, "FLV\x01", "a Flash video", EXTRACT},
+    {4, "\x06\x0e+4", "an MXF video", EXTRACT},
+    {4, "0&\xb2u", "a Windows Media video (WMV)", EXTRACT},
+    {4, "OggS", "an Ogg video", EXTRACT},
+    {4, "\x1f\x07\0?", "a DV video", EXTRACT},
     {10, "II*\0????CR", "a Canon raw photograph (CR2)", DEVELOP},
     {14, "II????HEAPCCDR", "a Canon raw photograph (CRW)", DEVELOP},
     {15, "FUJIFILMCCD-RAW", "a Fujifilm raw photograph (RAF)", DEVELOP},
@@ -127,6 +131,19 @@ static bool is_svg(const FfpEncoded *file) {
     return false;
 }
 
+// MPEG's transport stream: packets of 188 bytes, behind the time of each in files of cameras (AVCHD).
+static bool is_transport_stream(const FfpEncoded *file) {
+    enum { PACKET = 188, TIME = 4, PACKETS = 3 };
+    for (size_t time = 0; time <= TIME; time += TIME) {
+        size_t n = 0;
+        while (n < PACKETS && time + n * (PACKET + time) < file->size &&
+               file->data[time + n * (PACKET + time)] == 'G')
+            n++;
+        if (n == PACKETS) return true;
+    }
+    return false;
+}
+
 static const Foreign *find(const FfpEncoded *file) {
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         const Foreign *kind = &table[i];
@@ -136,7 +153,8 @@ static const Foreign *find(const FfpEncoded *file) {
             same++;
         if (same == kind->length) return kind;
     }
-    return NULL;
+    static const Foreign stream = {0, "", "an MPEG video", EXTRACT};
+    return is_transport_stream(file) ? &stream : NULL;
 }
 
 bool ffp_is_foreign(const FfpEncoded *file) {

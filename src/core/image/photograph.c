@@ -11,11 +11,12 @@
 #include "core/base/process.h"
 #include "core/image/codec.h"
 #include "core/image/frames.h"
+#include "core/image/profile.h"
 #include "core/image/stream.h"
 #include "core/image/webp.h"
 
 #define RAW_BYTES_MAX ((size_t)1 << 30)
-enum { HEAD = 32, PNG_HEAD = 65536, SAMPLE_MAX = 65535, RATE = 15 };
+enum { HEAD = 512, PNG_HEAD = 65536, SAMPLE_MAX = 65535, RATE = 15 };
 
 // Linear light of the samples of a pixmap, and the greatest of them: 255, or 65535, of two bytes.
 typedef struct Samples {
@@ -413,6 +414,22 @@ bool ffp_frames_are_in(const char *path) {
     return open_source(&source, path, NULL) && source.kind == FFP_FOREIGN_FILM;
 }
 
+// Frames of animated pictures are read as they are, whatever their profile.
+static void note_profile(const Source *source) {
+    const char *codec = source->stream.codec;
+    FfpEncoded file = {.path = source->path};
+    char *data;
+    if ((strcmp(codec, "apng") != 0 && strcmp(codec, "webp") != 0) ||
+        !ffp_read_file(source->file, RAW_BYTES_MAX, &data, &file.size, NULL))
+        return;
+    file.data = (const unsigned char *)data;
+    FfpColourProfile profile = ffp_profile_find(&file);
+    if (!ffp_profile_is_srgb(&profile))
+        ffp_note("%s: its colour profile is left out: make it of sRGB pictures", ffp_basename(source->path));
+    ffp_free(profile.icc);
+    ffp_free(data);
+}
+
 bool ffp_frames_open(FfpFrames *frames, const char *path, int rate, FfpError *err) {
     Source source;
     *frames = (FfpFrames){.path = path};
@@ -425,6 +442,7 @@ bool ffp_frames_open(FfpFrames *frames, const char *path, int rate, FfpError *er
     snprintf(frames->file, sizeof frames->file, "%s", source.file);
     if (rate == 0 && source.stream.rate.frames > 0) source.rate = source.stream.rate;
     frames->rate = source.rate;
+    note_profile(&source);
     if (ffp_webp_moves(source.file)) {
         const double to = !source.part ? INFINITY : source.to < source.from ? source.from + 1e-3 : source.to;
         frames->webp = ffp_webp_open(source.file, path, source.rate.frames, source.from, to, err);

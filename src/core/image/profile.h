@@ -1,5 +1,5 @@
-// A picture's description of its colours: an ICC profile (PNG, JPEG, TIFF), or a PNG's cICP, or its gAMA and
-// cHRM, or otherwise Adobe RGB by EXIF; converted to sRGB by Little CMS.
+// A picture's description of its colours: an ICC profile (PNG, JPEG, TIFF, WebP), or a PNG's cICP, or its
+// gAMA and cHRM, or otherwise Adobe RGB by EXIF; converted to sRGB by Little CMS.
 #ifndef FFP_IMAGE_PROFILE_H
 #define FFP_IMAGE_PROFILE_H
 

@@ -131,8 +131,18 @@ static FfpColourProfile find_in_jpeg(const FfpEncoded *file) {
     return profile.kind == FFP_PROFILE_NONE ? by_exif : profile;
 }
 
+// ICCP, which follows the header of files that have it: its name, its length, the profile.
+static FfpColourProfile find_in_webp(const FfpEncoded *file) {
+    enum { AT = 30, HEAD = 8 };
+    if (file->size < AT + HEAD || memcmp(file->data + AT, "ICCP", 4) != 0) return (FfpColourProfile){0};
+    const unsigned char *chunk = file->data + AT;
+    const size_t length = chunk[4] | (size_t)chunk[5] << 8 | (size_t)chunk[6] << 16 | (size_t)chunk[7] << 24;
+    return ffp_profile_of_icc(chunk + HEAD, length > file->size - AT - HEAD ? 0 : length);
+}
+
 FfpColourProfile ffp_profile_find(const FfpEncoded *file) {
     if (file->size > 8 && memcmp(file->data, "\x89PNG", 4) == 0) return find_in_png(file);
     if (file->size > 3 && memcmp(file->data, "\xff\xd8\xff", 3) == 0) return find_in_jpeg(file);
+    if (file->size > 16 && memcmp(file->data + 8, "WEBPVP8X", 8) == 0) return find_in_webp(file);
     return of_exif(file->data, file->size); // a TIFF begins as EXIF data do
 }

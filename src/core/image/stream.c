@@ -63,6 +63,7 @@ static void take_line(FfpStream *stream, const char *key, const char *value) {
         take_rate(&stream->rate, value);
     const double seconds = is(key, "duration") ? strtod(value, NULL) : 0;
     if (seconds > 0) stream->seconds = seconds;
+    if (is(key, "interlaced_frame") && is(value, "1")) stream->interlaced = true; // DV's header does not tell
     if (is(key, "TAG:alpha_mode") && is(value, "1")) stream->alpha = true;
 }
 
@@ -70,9 +71,19 @@ static void take_line(FfpStream *stream, const char *key, const char *value) {
 static void ask(char answer[ANSWER + 1], const char *file, const char *streams, const char *entries) {
     char name[FFP_PATH_MAX + 8], said[FFP_PROCESS_SAID];
     snprintf(name, sizeof name, "file:%s", file);
-    const char *const arguments[] = {
-        "ffprobe",      "-v", "error", "-select_streams", streams, "-show_entries", entries, "-of",
-        "default=nw=1", name, NULL};
+    const char *const arguments[] = {"ffprobe",
+                                     "-v",
+                                     "error",
+                                     "-select_streams",
+                                     streams,
+                                     "-read_intervals",
+                                     "%+#1",
+                                     "-show_entries",
+                                     entries,
+                                     "-of",
+                                     "default=nw=1",
+                                     name,
+                                     NULL};
     FfpProcess *process = NULL;
     answer[0] = 0;
     if (!ffp_program_exists("ffprobe") ||
@@ -92,7 +103,7 @@ void ffp_stream_probe(FfpStream *stream, const char *file) {
     static const char entries[] =
         "format=duration:stream=codec_name,width,height,pix_fmt,sample_aspect_ratio,color_range,color_space,"
         "color_transfer,color_primaries,duration,field_order,avg_frame_rate,r_frame_rate:"
-        "stream_tags=alpha_mode";
+        "stream_tags=alpha_mode:frame=interlaced_frame";
     char answer[ANSWER + 1];
     *stream = (FfpStream){0};
     ask(answer, file, "V:0", entries);
@@ -144,7 +155,7 @@ static bool is_hdr(const FfpStream *stream) {
 }
 
 static bool is_interlaced(const FfpStream *stream) {
-    return *stream->fields && !is(stream->fields, "progressive");
+    return stream->interlaced || (*stream->fields && !is(stream->fields, "progressive"));
 }
 
 static bool is_wide(const FfpStream *stream) {

@@ -17,9 +17,9 @@ typedef struct FfpStream { // "": it does not say
         transfer[FFP_STREAM_WORD], primaries[FFP_STREAM_WORD], aspect[FFP_STREAM_WORD],
         fields[FFP_STREAM_WORD];
     int width, height;
-    double seconds; // it lasts; 0: not known
-    FfpRate rate;   // of its frames; 0 frames: not known
-    bool alpha;
+    double seconds;         // it lasts; 0: not known
+    FfpRate rate;           // of its frames; 0 frames: not known
+    bool alpha, interlaced; // interlaced: its first frame is
 } FfpStream;
 
 // The first film of a file, by ffprobe; without that program, nothing is known.

@@ -55,7 +55,8 @@ typedef struct FilmJob {
 static bool check_film(const FfpCompensation *options, FfpError *err) {
     if (!options->video)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, options->targets[0],
-                        "is a film: say with video where the corrected film goes");
+                        "is read as a film: say with video where the corrected film goes, or save a still "
+                        "picture as PNG");
     if (options->n_views != 1)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, options->video,
                         "a film is corrected for one view at a time");
@@ -136,7 +137,9 @@ bool ffp_compensation_write(const FfpGaussians *gaussians, const FfpCapture *cap
         if (written && stats) *stats = job.sum;
         return written;
     }
-    if (options->video) return ffp_fail(err, FFP_ERROR_ARGUMENT, options->video, "the target is not a film");
+    if (options->video)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, pictures ? options->video : options->targets[0],
+                        "the target is not a film");
     FfpImages *images = ffp_compensation_run(gaussians, capture, options, pictures, &found, err);
     if (!images) return false;
     const bool ok = write_images(images, options, found.patterns, err);

@@ -96,7 +96,8 @@ static json_t *take_value(Reader *r, char type) {
     }
 }
 
-// {"address", "values"}; NULL: not a valid message. Nil and impulse are left out.
+// {"address", "values"}; NULL: not a valid message. Nil, impulse and the brackets of lists
+// are left out.
 static json_t *take_message(Reader *r, const char **address) {
     const char *types = ",";
     json_t *values = json_array(), *name = NULL;
@@ -105,7 +106,7 @@ static json_t *take_message(Reader *r, const char **address) {
     if (ok && r->left > 0) types = take_text(r, VALUES_MOST + 1); // old senders leave it out
     ok = ok && types && types[0] == ',';
     for (size_t i = 1; ok && types[i]; i++)
-        if (!strchr("NI", types[i])) ok = json_array_append_new(values, take_value(r, types[i])) == 0;
+        if (!strchr("NI[]", types[i])) ok = json_array_append_new(values, take_value(r, types[i])) == 0;
     if (ok && r->left == 0) return json_pack("{s:o, s:o}", "address", name, "values", values);
     json_decref(name);
     json_decref(values);
@@ -146,12 +147,25 @@ static void read_packet(FfpStudioServer *server, Reader r, json_t *found, int ne
 
 // --- What is kept until the pages have asked for it. ---
 
-// A later message never takes the place of one of these; a pattern may mean one.
-static bool is_press(const char *address) {
-    static const char *const presses[] = {"/go", "/hold", "/back", "/cue"};
+enum { FOREIGN, PRESS, OTHER, SORTS };
+
+// True if it is the control, one below it, or a pattern that may mean it.
+static bool is_of(const char *address, const char *control) {
+    const size_t length = strlen(control), plain = strcspn(address, "*?[{");
+    if (strncmp(address, control, plain < length ? plain : length) != 0) return false;
+    return plain < length ? address[plain] != 0 : strchr("/*?[{", address[length]) != NULL;
+}
+
+// FOREIGN: no control begins like it. PRESS: no later message takes its place.
+static int sort_of(const char *address) {
+    static const char *const presses[] = {"/go", "/hold", "/back", "/cue"}, *const others[] = {
+                                                                                "/fade", "/blackout", "/test",
+                                                                                "/level", "/projector"};
     for (size_t i = 0; i < sizeof presses / sizeof *presses; i++)
-        if (strncmp(address, presses[i], strlen(presses[i])) == 0) return true;
-    return strpbrk(address, "*?[{") != NULL;
+        if (is_of(address, presses[i])) return PRESS;
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (is_of(address, others[i])) return OTHER;
+    return FOREIGN;
 }
 
 static const char *address_of(const json_t *message) {
@@ -166,27 +180,27 @@ static bool has_value(const json_t *message) {
 static void supersede(json_t *kept, const char *address) {
     for (size_t i = json_array_size(kept); i-- > 0;) {
         const json_t *one = json_array_get(kept, i);
-        if (is_press(address_of(one))) return;
+        if (sort_of(address_of(one)) == PRESS) return;
         if (strcmp(address_of(one), address) != 0) continue;
         if (has_value(one)) json_array_remove(kept, i); // one without a value turns a switch, and stays
         return;
     }
 }
 
-// Makes room: presses have half of it, whatever else there is, and everything else has the other half.
+// Makes room: presses have half of it, whatever else there is; of the rest what is foreign goes first.
 static void make_room(json_t *kept) {
-    size_t first[2] = {0, 0}, n[2] = {0, 0}; // of others, of presses
+    size_t first[SORTS] = {0}, n[SORTS] = {0};
     for (size_t i = 0; i < json_array_size(kept); i++) {
-        const bool press = is_press(address_of(json_array_get(kept, i)));
-        if (n[press]++ == 0) first[press] = i;
+        const int sort = sort_of(address_of(json_array_get(kept, i)));
+        if (n[sort]++ == 0) first[sort] = i;
     }
-    json_array_remove(kept, first[n[1] > FFP_STUDIO_CONTROLS / 2]);
+    json_array_remove(kept, first[n[PRESS] > FFP_STUDIO_CONTROLS / 2 ? PRESS : n[FOREIGN] ? FOREIGN : OTHER]);
 }
 
 static void keep(FfpStudioServer *server, json_t *message) {
     json_t *kept = server->controls;
     const char *address = address_of(message);
-    if (!is_press(address) && has_value(message)) supersede(kept, address);
+    if (sort_of(address) != PRESS && has_value(message)) supersede(kept, address);
     json_object_set_new(message, "number", json_integer((json_int_t)++server->controlled));
     json_array_append(kept, message);
     if (json_array_size(kept) > FFP_STUDIO_CONTROLS) make_room(kept);

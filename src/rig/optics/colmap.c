@@ -208,11 +208,23 @@ static bool read_image(const Lines *lines, char *at, ColmapImage *image, FfpErro
     return pose_from(lines, numbers, numbers + 4, image->c2w, err);
 }
 
+// True for an image's points, X Y POINT3D_ID each, of which there may be none.
+static bool are_points(const char *line) {
+    size_t n = 0;
+    while (*(line += strspn(line, " \t")) != 0) {
+        line += strcspn(line, " \t");
+        n++;
+    }
+    return n % 3 == 0;
+}
+
 static bool read_images(Colmap *colmap, Lines *lines, FfpError *err) {
     for (char *line; (line = next_entry(lines)) != NULL; colmap->n_images++) {
         if (colmap->n_images == FFP_VIEWS_MAX + 1) return fail_here(lines, err, "too many images");
         if (!read_image(lines, line, &colmap->images[colmap->n_images], err)) return false;
-        next_line(lines); // the points, often an empty line
+        const char *points = next_line(lines); // often empty
+        if (points && !are_points(points))
+            return fail_here(lines, err, "expected the points of the image before, or an empty line");
     }
     return colmap->n_images > 0 || fail_here(lines, err, "no image in the file");
 }

@@ -7,6 +7,7 @@
 #include "core/base/base64.h"
 #include "core/base/call.h"
 #include "core/base/file.h"
+#include "core/base/kind.h"
 #include "core/gaussians/elsewhere.h"
 #include "scratch.h"
 #include "support.h"
@@ -171,22 +172,26 @@ static void test_axes_that_a_file_names(void **state) {
     ffp_free(bytes);
 }
 
-// A .splat has no mark: its first bytes, of a number, are those of JSON now and then.
-static void test_splats_that_begin_like_json(void **state) {
+// A .splat has no mark: its first bytes, of a number, are those of JSON or gzip now and then.
+static void test_splats_that_begin_like_others(void **state) {
     (void)state;
-    static const char *const heads[] = {"{", " {", "\n\t{", "\xef\xbb\xbf{"};
+    static const char *const heads[] = {"{", " {", "\n\t{", "\xef\xbb\xbf{", "\x1f\x8b"};
     size_t size;
     char *bytes;
     assert_true(ffp_read_file(CORPUS "splat/two.splat", 1 << 20, &bytes, &size, NULL));
     for (size_t i = 0; i < sizeof heads / sizeof *heads; i++) {
         FfpGaussians g;
         FfpError err = {0};
+        memcpy(bytes, "\0\0\0", 4);
         memcpy(bytes, heads[i], strlen(heads[i]));
         assert_true(ffp_write_file(in_scratch("brace.splat"), bytes, size, NULL));
         if (!ffp_gaussians_read(&g, in_scratch("brace.splat"), &err)) fail_msg("%s", err.text);
         assert_int_equal(g.count, 2);
         ffp_gaussians_free(&g);
     }
+    memcpy(bytes, "\x1f\x8b\x08", 3); // as downloads are that stayed packed
+    assert_true(ffp_write_file(in_scratch("packed.splat"), bytes, size, NULL));
+    assert_int_equal(ffp_file_kind(in_scratch("packed.splat")), FFP_KIND_SPZ);
     ffp_free(bytes);
 }
 
@@ -380,6 +385,40 @@ static void test_numbers_that_were_not_encoded(void **state) {
     expect_note_of(path, middling, true);
 }
 
+// Twenty splats of red, as text.
+static void put_reds(const char *path, const char *type, const char *most) {
+    FILE *out = fopen(path, "w");
+    assert_non_null(out);
+    fprintf(
+        out,
+        "ply\nformat ascii 1.0\nelement vertex 20\nproperty %s red\nproperty %s green\nproperty %s blue\n",
+        type, type, type);
+    static const char *const names[] = {"x",       "y",     "z",     "opacity", "scale_0", "scale_1",
+                                        "scale_2", "rot_0", "rot_1", "rot_2",   "rot_3"};
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) fprintf(out, "property float %s\n", names[k]);
+    fputs("end_header\n", out);
+    for (int i = 0; i < 20; i++) fprintf(out, "%s %s 0 %d 0 0 2 -4 -4 -4 1 0 0 0\n", most, most, i);
+    assert_int_equal(fclose(out), 0);
+}
+
+static void test_colours_of_all_types(void **state) {
+    (void)state;
+    static const char *const types[][2] = {
+        {"uchar", "255"}, {"int", "255"}, {"short", "255"}, {"ushort", "65535"}, {"double", "1"}};
+    const char *path = in_scratch("red.ply"), *far = "from 0 to 255?";
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
+        FfpGaussians g;
+        put_reds(path, types[i][0], types[i][1]);
+        assert_true(ffp_gaussians_read(&g, path, NULL));
+        assert_close(g.ambient[0], 1, 1e-5);
+        assert_close(g.ambient[2], 0, 1e-5);
+        ffp_gaussians_free(&g);
+        expect_note_of(path, far, false);
+    }
+    put_reds(path, "float", "255");
+    expect_note_of(path, far, true);
+}
+
 static void test_old_words_for_nan(void **state) {
     (void)state;
     static const char *const words[] = {"1.#QNAN", "-1.#IND000", "1.#INF", "1.#J", "-nan(ind)"};
@@ -416,6 +455,8 @@ static void test_notes(void **state) {
     expect_note("ply/no_harmonics.ply", "filter_3D", true);
     expect_note("ply/elements.ply", "its 1 faces are left out", true);
     expect_note("spz/harmonics.spz", "spherical harmonics are left out", true);
+    expect_note("gltf/mixed.glb", "what is not splats is left out: 1 primitives", true);
+    expect_note("gltf/splats.glb", "what is not splats", false);
     expect_note("gltf/kernel.glb", "customShape are drawn as ellipses", true);
 }
 
@@ -436,7 +477,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_form),
         cmocka_unit_test(test_what_is_not_read_is_refused_by_name),
-        cmocka_unit_test_setup_teardown(test_splats_that_begin_like_json, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_splats_that_begin_like_others, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(test_axes_that_a_file_names, scratch_setup, scratch_teardown),
         cmocka_unit_test(test_nodes_move_splats),
         cmocka_unit_test(test_packed_rotations),
@@ -444,6 +485,7 @@ int main(void) {
         cmocka_unit_test(test_foreign_files_are_named),
         cmocka_unit_test(test_notes),
         cmocka_unit_test_setup_teardown(test_numbers_that_were_not_encoded, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_colours_of_all_types, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(test_old_words_for_nan, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(test_files_that_go_on, scratch_setup, scratch_teardown),
         cmocka_unit_test(test_damaged),

@@ -233,6 +233,70 @@ static void films_keep_their_size(void **state) {
     ffp_image_free(&picture);
 }
 
+// gAMA of 1, behind the header of an animated PNG.
+static void profiles_of_animations_are_told(void **state) {
+    (void)state;
+    static const char linear[] = "\0\0\0\x04gAMA\0\x01\x86\xa0\x31\xe8\x96\x5f";
+    enum { HEADER = 33 };
+    static const Case of = {.name = "linear.png",
+                            .wide = 64,
+                            .high = 48,
+                            .channels = 3,
+                            .frames = 3,
+                            .tolerance = 1,
+                            .right_alpha = 255};
+    need_ffmpeg();
+    char command[1024], *png;
+    size_t size;
+    FfpError err = {0};
+    snprintf(command, sizeof command,
+             "ffmpeg -loglevel error -nostdin -y -f lavfi -i color=red:s=64x48:r=3:d=1 -filter_complex "
+             "\"format=gbrp," SPLIT ",format=rgb24\" -f apng %s/plain.png",
+             scratch);
+    if (system(command) != 0) fail_msg("%s", command);
+    assert_true(ffp_read_file(in_scratch("plain.png"), 1 << 20, &png, &size, &err));
+    FILE *out = fopen(in_scratch("linear.png"), "wb");
+    assert_non_null(out);
+    fwrite(png, 1, HEADER, out);
+    fwrite(linear, 1, sizeof linear - 1, out);
+    fwrite(png + HEADER, 1, size - HEADER, out);
+    assert_int_equal(fclose(out), 0);
+    ffp_free(png);
+    Said said = {.of = &of};
+    FfpContext context = {.settings = {.user = &said, .log = hear}};
+    if (!ffp_call_run(&context, read_film, &said, &err)) fail_msg("%s", err.text);
+    if (!strstr(said.words, "its colour profile is left out")) fail_msg("said \"%s\"", said.words);
+}
+
+// Containers of cameras and editors. Of tapes the frames alone tell that they are interlaced.
+static void films_of_cameras(void **state) {
+    (void)state;
+    static const struct {
+        const char *options, *name;
+        bool interlaced;
+    } films[] = {{"-vf setfield=bff -c:v dvvideo -pix_fmt yuv420p", "tape.avi", true},
+                 {"-vf setfield=bff -c:v dvvideo -pix_fmt yuv420p", "tape.dv", true},
+                 {"-c:v mpeg2video", "card.ts", false},
+                 {"-c:v mpeg2video -mpegts_m2ts_mode 1", "card.m2ts", false},
+                 {"-c:v mpeg2video", "card.mxf", false},
+                 {"-c:v wmv2", "card.wmv", false},
+                 {"-c:v libtheora", "card.ogv", false}};
+    need_ffmpeg();
+    for (size_t i = 0; i < sizeof films / sizeof *films; i++) {
+        char command[1024], filter[FFP_STREAM_FILTER];
+        FfpStream stream;
+        snprintf(command, sizeof command,
+                 "ffmpeg -loglevel error -nostdin -y -f lavfi -i color=red:s=720x576:r=25:d=0.2 %s %s/%s",
+                 films[i].options, scratch, films[i].name);
+        if (system(command) != 0) fail_msg("%s", command);
+        if (!ffp_frames_are_in(in_scratch(films[i].name))) fail_msg("%s is not a film", films[i].name);
+        ffp_stream_probe(&stream, in_scratch(films[i].name));
+        ffp_stream_filter(&stream, false, filter);
+        if ((strstr(filter, "bwdif") != NULL) != films[i].interlaced)
+            fail_msg("%s: %s", films[i].name, filter);
+    }
+}
+
 // The left half of each field's lines moves on between the two: whole frames have no combs.
 static void interlaced_frames_are_made_whole(void **state) {
     (void)state;
@@ -333,6 +397,8 @@ int main(void) {
                                        cmocka_unit_test(animated_pictures),
                                        cmocka_unit_test(films_keep_their_size),
                                        cmocka_unit_test(interlaced_frames_are_made_whole),
+                                       cmocka_unit_test(films_of_cameras),
+                                       cmocka_unit_test(profiles_of_animations_are_told),
                                        cmocka_unit_test(a_film_keeps_its_rate_and_sound)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

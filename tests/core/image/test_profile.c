@@ -5,6 +5,7 @@
 #include "core/base/call.h"
 #include "core/image/image.h"
 #include "core/image/picture_files.h"
+#include "core/image/profile.h"
 
 enum { SIDE = 16 };
 
@@ -255,10 +256,28 @@ static void broken_profiles_are_ignored(void **state) {
     expect_colour("other.jpg", red_in_p3, "cannot be used, and is ignored");
 }
 
+// Behind the header of a WebP; of a length that goes beyond the file there is none.
+static void profiles_of_webp_are_found(void **state) {
+    (void)state;
+    enum { AT = 38, ROOM = 4096 };
+    unsigned char bytes[AT + ROOM] = "RIFF....WEBPVP8X\x0a\0\0\0\x20.........ICCP";
+    for (int srgb = 0; srgb < 2; srgb++) {
+        const cmsUInt32Number size = make_p3(bytes + AT, ROOM, srgb);
+        bytes[AT - 4] = size & 255, bytes[AT - 3] = (unsigned char)(size >> 8);
+        FfpColourProfile found = ffp_profile_find(&(FfpEncoded){bytes, AT + size, "a.webp"});
+        assert_int_equal(found.size, size);
+        assert_true(ffp_profile_is_srgb(&found) == srgb);
+        ffp_free(found.icc);
+        for (size_t cut = 12; cut < AT + size; cut += cut < AT + 2 ? 1 : 100)
+            assert_true(ffp_profile_find(&(FfpEncoded){bytes, cut, "a.webp"}).kind == FFP_PROFILE_NONE);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(profiles_are_converted),    cmocka_unit_test(srgb_stays),
         cmocka_unit_test(tags_of_png_are_converted), cmocka_unit_test(adobe_rgb_is_told_by_exif),
-        cmocka_unit_test(inks_are_converted),        cmocka_unit_test(broken_profiles_are_ignored)};
+        cmocka_unit_test(inks_are_converted),        cmocka_unit_test(broken_profiles_are_ignored),
+        cmocka_unit_test(profiles_of_webp_are_found)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

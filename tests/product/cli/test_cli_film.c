@@ -172,6 +172,13 @@ static void a_film_is_corrected_frame_by_frame(void **state) {
     assert_true(ffp_is_file(in_scratch("corrected.png")));
     assert_int_equal(run_format(&run, command, scratch, scratch, scratch, "none", scratch, "two.mp4"), 1);
     assert_non_null(strstr(run.err, "say with video"));
+    assert_int_equal(run_format(&run,
+                                "compensate %s/tiny.ply -c %s/tiny -v view_0 --steps 0 -o %s/none.png -t "
+                                "%s/red.png --video %s/not_it.png",
+                                scratch, scratch, scratch, scratch, scratch),
+                     1);
+    assert_non_null(strstr(run.err, "the target is not a film"));
+    assert_non_null(strstr(run.err, "red.png"));
     assert_false(ffp_is_file(in_scratch("none.png")));
     put_ffmpeg("#!/bin/sh\nprintf 'P6\\n2 1\\n255\\n\\377'\necho broken >&2\nexit 1\n");
     assert_int_equal(run_format(&run, "render %s/tiny.ply -c %s/tiny -p %s/two.mp4 -o %s/none", scratch,

@@ -664,8 +664,8 @@ def control_from_outside(program, folder, seconds):
         send(bundle(other, osc("/back"), other, good))
         assert [event["address"] for event in asked(number)["events"]] == ["/back", "/go"], other
     number = asked(0)["number"]
-    send(bundle(good, osc("/x", "b") + struct.pack(">I", 3) + b"abc\0", osc("/My Fader", "N"), osc("/p", "crmtI") + bytes(20)) + b"\0\0\0\1")
-    assert [(event["address"], event["values"]) for event in asked(number)["events"]] == [("/go", [1]), ("/x", [None]), ("/My Fader", []), ("/p", [None] * 4)]
+    send(bundle(good, osc("/x", "b") + struct.pack(">I", 3) + b"abc\0", osc("/My Fader", "N"), osc("/p", "crmtI") + bytes(20), osc("/l", "[i]") + bytes(4)) + b"\0\0\0\1")
+    assert [(event["address"], event["values"]) for event in asked(number)["events"]] == [("/go", [1]), ("/x", [None]), ("/My Fader", []), ("/p", [None] * 4), ("/l", [0])]
     # faders push no GO out, nor their own last value; all channels in one packet
     number = asked(0)["number"]
     send(osc("/go"))
@@ -684,10 +684,19 @@ def control_from_outside(program, folder, seconds):
         if i % 50 == 0:
             asked(0)
     answer = until(number, "/end of others")
-    assert [event["address"] for event in answer["events"]].count("/go") == 1 and len(answer["events"]) <= 1024
+    heard = [event["address"] for event in answer["events"]]
+    assert heard.count("/go") == heard.count("/blackout") == 1 and len(heard) <= 1024
+    # nor what only begins like a press, and patterns of faders
+    for i in range(1100):
+        send(osc("/gobo/rotate", "i", i))
+        send(osc("/projector/*/layer/1/opacity", "i", 1))
+        if i % 25 == 0:
+            asked(0)
+    heard = [event["address"] for event in until(number, "/end of gobos")["events"]]
+    assert heard.count("/go") == heard.count("/gobo/rotate") == heard.count("/projector/*/layer/1/opacity") == 1, len(heard)
     # nor do presses, of which there are more than are kept, push out what comes with them
     for i in range(1100):
-        send(osc("/projector/*/on", "i", 1))
+        send(osc("/{go,hold}", "i", 1))
         if i % 50 == 0:
             asked(0)
     number = asked(0)["number"]

@@ -2,11 +2,11 @@
 // Control from outside: which addresses there are, what their values become, MIDI messages. Run by node.
 const assert = require('assert'), fs = require('fs'), path = require('path'), vm = require('vm');
 
-const sandbox = {attempt: (work) => work};
+const line = {}, sandbox = {attempt: (work) => work, $: () => line};
 vm.createContext(sandbox);
 vm.runInContext(fs.readFileSync(path.join(__dirname, '../../../view/control.js'), 'utf8') +
-                '\nglobalThis.api = {understand, matchesPattern, CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, applyEvents, BINDINGS_MAX};', sandbox);
-const {understand, matchesPattern, CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, applyEvents, BINDINGS_MAX} = sandbox.api;
+                '\nglobalThis.api = {understand, matchesPattern, CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, applyEvents, followStudio, Midi, BINDINGS_MAX};', sandbox);
+const {understand, matchesPattern, CONTROLS, DOES, controlAt, readControl, readMidi, valuesOfMidi, checkBindings, applyEvents, followStudio, Midi, BINDINGS_MAX} = sandbox.api;
 const plain = (value) => JSON.parse(JSON.stringify(value === undefined ? null : value)); // objects of this realm
 const same = (a, b) => assert.deepStrictEqual(plain(a), b);
 
@@ -71,6 +71,10 @@ same(valuesOfMidi('/nothing', pad(1)), null);
 // A pedal that goes down and up again is one GO.
 const pressed = [0, 30, 66, 90, 127, 100, 70, 40, 0, 80].map((value) => valuesOfMidi('/go', readMidi([0xb0, 64, value]))[0]);
 same(pressed, [false, false, true, false, false, false, false, false, false, true]);
+// So is a wheel that is pushed, which rests in the middle; and a button that does not tell of its release, each time.
+const pushed = (...bytes) => bytes.map((value) => valuesOfMidi('/go', readMidi([0xe3, value & 127, value >> 7]))[0]);
+same(pushed(8192, 16383, 8192, 0, 8192, 14000, 8192), [false, true, false, false, false, true, false]);
+same([127, 127, 127].map((value) => valuesOfMidi('/go', readMidi([0xb4, 20, value]))[0]), [true, true, true]);
 
 // From a stage that somebody else wrote.
 same(checkBindings({'note 1 60': '/go', 'bend 2': '/fade', 'note 1 60; x': '/go', 'control 1 7': '/nothing', 'program 1 2': null}), {'note 1 60': '/go', 'bend 2': '/fade'});
@@ -87,6 +91,29 @@ same(order, ['first', 'at once']); // nothing waits for a single one, and a bund
 applyEvents([{address: 'slow', bundle: 4}, {address: 'then', bundle: 4}, {address: 'alone'}, {address: 'other', bundle: 9}], act);
 applyEvents([{address: 'later'}, {address: '/blackout'}], act);
 same(order, ['first', 'at once', '/blackout']);
+// A page that comes back hears its controls; MIDI that is refused is reported once, and nobody is asked without need.
+(async () => {
+  const input = {}, heard = [];
+  let asked = 0;
+  Object.assign(sandbox, {say: (text) => heard.push(text), Message: Error, navigator: {requestMIDIAccess: async () => { asked++; return {inputs: new Map([['pedal', input]])}; }}});
+  const midi = new Midi({changed() {}});
+  await midi.wake();
+  same([asked, heard], [0, []]);
+  midi.bindings = {'note 1 60': '/go'};
+  await midi.wake(), await midi.wake();
+  same([asked, typeof input.onmidimessage, heard], [1, 'function', []]);
+  sandbox.navigator = {};
+  const none = Object.assign(new Midi({changed() {}}), {bindings: {'note 1 60': '/go'}});
+  await none.wake(), await none.wake();
+  assert.ok(heard.length === 1 && /^MIDI controls do nothing yet: This browser has no MIDI\..* Learn tries again\.$/.test(heard[0]), heard.join());
+})();
+
+// A studio that has ended is told: no GO comes from it any more.
+const answers = [{osc: '127.0.0.1:9000', number: 0, events: [], passed_over: 0}];
+Object.assign(sandbox, {location: {pathname: `/${'0'.repeat(32)}/file/page.html`, protocol: 'http:'}, performance, setTimeout: (work) => work(),
+  fetch: async () => ({json: async () => { if (!answers.length) throw new Error(); return answers.shift(); }})});
+followStudio({}).then(() => same(line.textContent, 'OSC: no more, the studio does not answer'));
+
 setTimeout(() => {
   same(order, ['first', 'at once', '/blackout', 'slow alone', 'slow', 'then', 'alone', 'other', 'later']);
   applyEvents([{address: 'after all'}], act);

@@ -12,8 +12,8 @@ Object.assign(globalThis, {
 for (const name of ['math', 'place', 'surfaces', 'layers', 'contents', 'effects', 'control', 'history', 'keep', 'show', 'findings'])
   runInThisContext(fs.readFileSync(path.join(__dirname, `../../../view/${name}.js`), 'utf8'), {filename: `${name}.js`});
 const {Show, checkCue, checkState, checkLayers, checkWindow, sizeInHead, sizeOfFile, checkSize, Message, SolidContent, Layer, describeLayers, findingItem, isPassed, newPlace, PROJECTORS_MAX, LAYERS_MAX,
-  CUES_MAX, FADE_MAX, FOLLOW_MAX, MASK_MAX, applyState, reachingOut, faultSaid, checkSurfaces, contentOf, describeContent, SURFACES_MAX, PARTS_MAX, POINTS_MAX} = runInThisContext('({Show, checkCue, checkState, checkLayers, checkWindow, sizeInHead, sizeOfFile, checkSize, Message, SolidContent, Layer, describeLayers, findingItem, '
-  + 'isPassed, newPlace, PROJECTORS_MAX, LAYERS_MAX, CUES_MAX, FADE_MAX, FOLLOW_MAX, MASK_MAX, applyState, reachingOut, faultSaid, checkSurfaces, contentOf, describeContent, SURFACES_MAX, PARTS_MAX, POINTS_MAX})');
+  CUES_MAX, FADE_MAX, FOLLOW_MAX, MASK_MAX, applyState, reachingOut, faultSaid, checkSurfaces, contentOf, describeContent, SURFACES_MAX, PARTS_MAX, POINTS_MAX, Library, loadStage, STAGE_FORMAT} = runInThisContext('({Show, checkCue, checkState, checkLayers, checkWindow, sizeInHead, sizeOfFile, checkSize, Message, SolidContent, Layer, describeLayers, findingItem, '
+  + 'isPassed, newPlace, PROJECTORS_MAX, LAYERS_MAX, CUES_MAX, FADE_MAX, FOLLOW_MAX, MASK_MAX, applyState, reachingOut, faultSaid, checkSurfaces, contentOf, describeContent, SURFACES_MAX, PARTS_MAX, POINTS_MAX, Library, loadStage, STAGE_FORMAT})');
 const refuses = (work, field) => assert.throws(work, (error) => error instanceof Message && error.message.includes(field), field);
 
 // --- The sizes that picture files give. ---
@@ -106,6 +106,13 @@ process.exitCode = 1; // until all of it has run: a promise that nothing resolve
   await slow;
   assert.deepStrictEqual([happened(), show.at], [['0: blue in 2 s', 'released 1'], 2]);
 
+  // Two GOs go on by two cues, though the first still waits.
+  const first = show.go(), second = show.go();
+  arrive();
+  await Promise.all([first, second]);
+  assert.deepStrictEqual([show.at, show.here, happened().at(-1)], [1, 1, '0: green in 3 s']);
+  await fade(show.go(2));
+
   // A stop lets the next cue not follow.
   show.stop();
   assert.ok(waiting.at(-1).work === null && !show.playing);
@@ -150,6 +157,10 @@ process.exitCode = 1; // until all of it has run: a promise that nothing resolve
   for (const [told, made] of [[{effect: 'scan', colour: '#00ff00', speed: 1, size: 0.5, phase: 0.25}], [{effect: 'lamp', colour: 'red', speed: 1e9, size: '1', phase: -1}, {effect: 'lamp', colour: '#ffffff', speed: 2, size: 0.3, phase: 0}]])
     assert.deepStrictEqual(plainly(describeContent(app, await contentOf(app, told))), made || told);
   for (const effect of ['none', 'constructor', '__proto__', null, 7]) assert.deepStrictEqual(plainly(await contentOf({...app, scene: {patterns: []}, library: {find: () => null}}, {effect}).then(({name}) => name)), 'White');
+  said.length = 0;
+  await contentOf({scene: {patterns: []}, library: {find: () => null}}, {file: '3'});
+  await contentOf({scene: {patterns: []}, library: {find: () => null}}, {pattern: 'stripes'});
+  assert.deepStrictEqual(said.splice(0), ['Not here, and white in its place: a picture or film.', 'Not here, and white in its place: stripes.']);
 
   // A stage that is loaded brings its own; undo leaves the view, and the seat with it.
   const worn = {projectors: [], selected: 0, exposure: 0, ambient: true, black: 0, cues: [], midi: {}, view: 0, pose: 'stage', target: [0, 0, 0]};
@@ -162,6 +173,19 @@ process.exitCode = 1; // until all of it has run: a promise that nothing resolve
   happened();
   show.arm(false);
   assert.deepStrictEqual([show.seat, happened()], [null, ['drawn']]);
+
+  // Files of a stage come beside those of the same number that are here, and the same ones once.
+  Object.assign(globalThis, {checkState: async (_, plain) => plain, applyState: async (to, state) => { to.applied = state; }, readBytes: (text) => Buffer.from(text, 'base64'),
+    contentOfFile: async (file) => ({name: file.name})});
+  const page = {library: new Library({changed() {}}), history: {note() {}}}, showing = (file) => ({layers: [{source: {file}}]});
+  await page.library.take(new File(['mine'], 'mine.png'));
+  const theirs = JSON.stringify({format: STAGE_FORMAT, projectors: [showing('1'), showing('2')], cues: [{shown: [showing('1')]}],
+    files: [{id: '1', name: 'theirs.png', type: '', data: btoa('theirs')}, {id: '2', name: 'second.png', type: '', data: btoa('second')}, {id: '3', name: 'Camera', live: 'camera'}]});
+  for (let i = 0; i < 2; i++) {
+    await loadStage(page, theirs);
+    assert.deepStrictEqual(page.library.entries.map(({id, name}) => [id, name]), [['1', 'mine.png'], ['2', 'theirs.png'], ['3', 'second.png'], ['4', 'Camera']]);
+    assert.deepStrictEqual([...page.applied.projectors, ...page.applied.cues[0].shown].map(({layers}) => layers[0].source.file), ['2', '3', '2']);
+  }
 
   // --- Findings. ---
   const item = findingItem({code: 'few-views', severity: 'doubt', subject: 'views', view: 'v2', text: 'seen from one side', advice: 'photograph all around'});

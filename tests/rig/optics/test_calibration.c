@@ -462,8 +462,9 @@ static void test_colmap_in_folders(void **state) {
     snprintf(folder, sizeof folder, "%s", scratch);
     const char *const file = folder;
     write_text("cameras.txt", "1 FULL_OPENCV 64 48 50 51 32 24 0.1 0.02 0.003 0.004 0.05 0 0 0\n");
-    write_text("images.txt", "1 1 0 0 0 0 0 0 1 000/white.png\n\n2 1 0 0 0 1 0 0 1 045/white.png\n\n"
-                             "3 1 0 0 0 2 0 0 1 calib.png\n\n");
+    write_text("images.txt",
+               "1 1 0 0 0 0 0 0 1 000/white.png\n1.5 2 -1 3 4.5 7\n2 1 0 0 0 1 0 0 1 045/white.png\n\n"
+               "3 1 0 0 0 2 0 0 1 calib.png\n\n");
     must_read(&file, 1);
     assert_int_equal(calibration.n_stops, 2);
     assert_string_equal(calibration.stops[0].id, "000");
@@ -516,6 +517,9 @@ static void test_bad_colmap(void **state) {
     must_refuse_colmap(cameras, "1 3 0 0 0 0 0 0 1 calib.png\n\n", "quaternion");
     must_refuse_colmap(cameras, "1 1 0 0 0 inf 0 0 1 calib.png\n\n", "seven numbers");
     must_refuse_colmap(cameras, "1 1 0 0\n", "seven numbers");
+    must_refuse_colmap(cameras,
+                       "1 1 0 0 0 0 0 0 1 calib.png\n2 1 0 0 0 0 0 1 1 a.png\n3 1 0 0 0 0 0 1 1 b.png\n",
+                       "or an empty line");
     must_refuse_colmap(
         cameras, "1 1 0 0 0 0 0 0 1 calib.png\n\n2 1 0 0 0 0 0 1 1 a.png\n\n3 1 0 0 0 0 0 1 1 a.jpg\n\n",
         "duplicate view 'a'");
