@@ -564,7 +564,7 @@ async function start() {
   app.history = makeHistory(app), app.store = new Store(app);
   followGestures(app.history);
   app.fresh = new URLSearchParams(location.search).has('fresh');
-  const kept = !app.fresh && await app.store.restore().catch((error) => say(`What this browser kept of the page cannot be read: ${error.message}`, true));
+  const kept = !app.fresh && await app.store.restore().catch((error) => say(`The page as this browser kept it cannot be read: ${error.message}`, true));
   const found = app.windows.find();
   if (kept) app.draw(QUALITIES[0]);
   await app.graphics.drawn();

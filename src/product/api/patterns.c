@@ -22,10 +22,16 @@ void ffp_patterns_defaults_into(FfpPatterns *options, size_t size) {
                       sizeof(FfpPatterns));
 }
 
+static bool check_panel(const FfpPatterns *o, FfpError *err) {
+    const int least = o->width < o->height ? o->width : o->height,
+              most = o->width > o->height ? o->width : o->height;
+    return (least >= SIDE_MIN && most <= SIDE_MAX) ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "projector", "a side of %d x %d is not in %d to %d pixels",
+                    o->width, o->height, SIDE_MIN, SIDE_MAX);
+}
+
 static bool check(const FfpPatterns *o, FfpError *err) {
-    if (o->width < SIDE_MIN || o->width > SIDE_MAX || o->height < SIDE_MIN || o->height > SIDE_MAX)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "projector", "a side of %d x %d is not in %d to %d pixels",
-                        o->width, o->height, SIDE_MIN, SIDE_MAX);
+    if (o->n_calibrations == 0 && !check_panel(o, err)) return false;
     if (o->lollipops < 0 || o->lollipops > LOLLIPOPS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "lollipops", "%d are not in 0 to %d", o->lollipops,
                         LOLLIPOPS_MAX);
@@ -54,7 +60,7 @@ static bool take_panel(FfpPatterns *o, FfpError *err) {
         return ffp_fail(err, FFP_ERROR_FILE, o->calibrations[0],
                         "does not tell the size of the projector's panel: give it");
     ffp_note("%s: its projector has %d x %d pixels", o->calibrations[0], o->width, o->height);
-    return check(o, err);
+    return check_panel(o, err);
 }
 
 static bool work(void *argument, FfpError *err) {

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "cli.h"
+#include "scan_names.h"
 
 #define DOUBTFUL 1.0 // pixels of root mean square
 
@@ -158,21 +159,26 @@ static bool put_template(const FfpSelfCalibration *o, char text[FFP_CLI_PATH]) {
 
 // The commands that come next, as they are typed.
 static void print_import(const FfpSelfCalibration *o) {
-    char template[FFP_CLI_PATH], panel[32];
-    const bool one = put_template(o, template);
-    const char *draw[] = {"ffprocams", "patterns", "-o", "patterns", "--projector", panel},
+    char template[FFP_CLI_PATH], inner[FFP_CLI_NAME], panel[32], images[FFP_CLI_PATH + 32],
+        codes[FFP_CLI_PATH + FFP_CLI_NAME + 32];
+    const bool one = put_template(o, template), apart = ffp_cli_find_codes(o->places, o->n_places, inner);
+    const char *files = one ? template : "{view}/*",
+               *draw[] = {"ffprocams", "patterns", "-o", "patterns", "--projector", panel},
                *words[12] = {"ffprocams", "import", "-c", o->file ? o->file : o->folder};
     int n = 4;
     if (o->file)
         words[n++] = "-t", words[n++] = o->turntable_file;
     else
         words[n++] = "--scene";
-    words[n++] = "--shown", words[n++] = o->shown ? o->shown : "patterns";
-    words[n++] = "-i", words[n++] = one ? template : "{view}/*";
+    snprintf(images, sizeof images, "%s%s", apart ? "black,white=" : "", files);
+    snprintf(codes, sizeof codes, "%.*s%s/*", (int)strlen(files) - 1, files, inner);
+    words[n++] = apart ? "-g" : "--shown";
+    words[n++] = apart ? codes : o->shown ? o->shown : "patterns";
+    words[n++] = "-i", words[n++] = images;
     words[n++] = "-o", words[n++] = "capture";
     snprintf(panel, sizeof panel, "%dx%d", o->width, o->height);
     printf("now run%s\n", one ? "" : ", with the folders of photographs beside each other,");
-    if (!o->shown) ffp_cli_type(stdout, &(FfpList){draw, 6});
+    if (!o->shown && !apart) ffp_cli_type(stdout, &(FfpList){draw, 6});
     ffp_cli_type(stdout, &(FfpList){words, n});
 }
 

@@ -152,13 +152,17 @@ static int prepare(Scan *s) {
     s->words.values = calloc(most, sizeof *s->words.values);
     if (!s->words.values) return ffp_cli_fail(&(FfpError){.text = "out of memory"});
     char views[FFP_CLI_PATH], inner[FFP_CLI_NAME];
-    const bool found = !a->graycode && !a->shown && ffp_cli_find_codes(&a->photographs, inner);
+    const bool found = !a->graycode && ffp_cli_find_codes(a->photographs.values, a->photographs.count, inner);
+    if (found && a->shown)
+        return ffp_cli_usage("scan", "%s has codes in '%s', beside black and white: --projector, not --shown",
+                             a->photographs.values[0], inner);
     const int status = ffp_cli_name_views(&a->photographs, a->angles && !is_found(a), a->graycode || found,
                                           views, sizeof views);
+    if (status != FFP_EXIT_OK) return status;
     s->graycode = found ? s->codes : a->graycode;
     snprintf(s->images, sizeof s->images, "%s%s/*.*", s->graycode ? "black,white=" : "", views);
     if (found) snprintf(s->codes, sizeof s->codes, "%s/%s/*.*", views, inner);
-    return status != FFP_EXIT_OK || a->dry ? status : check_results(s);
+    return a->dry ? FFP_EXIT_OK : check_results(s);
 }
 
 #define CALIBRATE "calibration"

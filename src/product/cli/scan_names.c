@@ -5,6 +5,7 @@
 #include <glob.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 #define SPECIAL "*?[{=\\" // to import
@@ -110,28 +111,70 @@ int ffp_cli_name_views(const FfpList *folders, bool by_angle, bool apart, char *
     return FFP_EXIT_OK;
 }
 
-// True if a folder of black and white has one folder of more files, which is called as `inner`, if that is
-// known.
-static bool find_inner(const char *folder, char inner[FFP_CLI_NAME]) {
-    char path[2 * FFP_CLI_PATH];
-    const int files = ffp_cli_count_entries(folder, true);
-    if (files != 2 || ffp_cli_count_entries(folder, false) != 3) return false;
+static int count_ending(const char *folder, const char *ending) {
     DIR *directory = opendir(folder);
-    bool found = false;
+    int count = 0;
     for (const struct dirent *entry; directory && (entry = readdir(directory));) {
-        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
-        const bool plain = entry->d_name[0] != '.' && !strpbrk(entry->d_name, SPECIAL);
-        if (!plain || ffp_cli_count_entries(path, true) <= files) continue;
-        found = !inner[0] || strcmp(inner, entry->d_name) == 0;
-        snprintf(inner, FFP_CLI_NAME, "%s", entry->d_name);
+        const char *own = strrchr(entry->d_name, '.');
+        count += entry->d_name[0] != '.' && own && strcasecmp(own, ending) == 0;
     }
     if (directory) closedir(directory);
-    return found;
+    return count;
 }
 
-bool ffp_cli_find_codes(const FfpList *folders, char inner[FFP_CLI_NAME]) {
+// The folder in a folder: "" if it holds none, or several.
+static void find_folder(const char *folder, char inner[FFP_CLI_NAME]) {
+    DIR *directory = opendir(folder);
+    char path[2 * FFP_CLI_PATH];
+    int count = 0;
+    for (const struct dirent *entry; directory && (entry = readdir(directory));) {
+        struct stat status;
+        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        if (entry->d_name[0] == '.' || stat(path, &status) != 0 || !S_ISDIR(status.st_mode)) continue;
+        snprintf(inner, FFP_CLI_NAME, "%s", entry->d_name), count++;
+    }
+    if (directory) closedir(directory);
+    if (count != 1 || strpbrk(inner, SPECIAL)) inner[0] = 0;
+}
+
+// True if a folder has two pictures, and a single folder more of the same ending; sets `inner` to that one's
+// name or, unless it is empty, requires it.
+static bool has_codes(const char *folder, char inner[FFP_CLI_NAME]) {
+    char path[2 * FFP_CLI_PATH], name[FFP_CLI_NAME] = "";
+    bool found = false;
+    find_folder(folder, name);
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    DIR *directory = name[0] ? opendir(folder) : NULL;
+    for (const struct dirent *entry; directory && (entry = readdir(directory));) {
+        const char *ending = strrchr(entry->d_name, '.');
+        if (entry->d_name[0] == '.' || !ending) continue;
+        found = found || (count_ending(folder, ending) == 2 && count_ending(path, ending) > 2);
+    }
+    if (directory) closedir(directory);
+    if (!found || (inner[0] && strcmp(inner, name) != 0)) return false;
+    snprintf(inner, FFP_CLI_NAME, "%s", name);
+    return true;
+}
+
+// The same of all folders in a folder.
+static bool all_have_codes(const char *folder, char inner[FFP_CLI_NAME]) {
+    char path[2 * FFP_CLI_PATH];
+    struct stat status;
+    DIR *directory = opendir(folder);
+    bool found = directory != NULL;
+    for (const struct dirent *entry; found && (entry = readdir(directory));) {
+        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        if (entry->d_name[0] != '.' && stat(path, &status) == 0 && S_ISDIR(status.st_mode))
+            found = has_codes(path, inner);
+    }
+    if (directory) closedir(directory);
+    return found && inner[0];
+}
+
+bool ffp_cli_find_codes(const char *const *folders, int n, char inner[FFP_CLI_NAME]) {
     bool found = true;
     inner[0] = 0;
-    for (int i = 0; i < folders->count && found; i++) found = find_inner(folders->values[i], inner);
+    if (n == 1 && ffp_cli_count_entries(folders[0], true) == 0) return all_have_codes(folders[0], inner);
+    for (int i = 0; i < n && found; i++) found = has_codes(folders[i], inner);
     return found;
 }

@@ -16,8 +16,9 @@ static bool append(const FfpNode *field, FfpMatrix *matrix, int *count, double v
     return true;
 }
 
-// True of "408,5" and "0,12 0,05", not of "1, 2" and "1,2,3; 4,5,6".
+// True of "408,5" and "0,12 0,05", not of "1, 2", "0.5,2" and "1,2,3; 4,5,6".
 static bool has_decimal_comma(const char *text) {
+    if (text && (strchr(text, '.') || strstr(text, ", ") || strstr(text, " ,"))) return false;
     for (const char *at = text, *end; at && *at != 0; at = end + strspn(end, " ;")) {
         end = at + strcspn(at, " ;");
         const char *comma = memchr(at, ',', (size_t)(end - at));

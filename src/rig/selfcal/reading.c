@@ -141,8 +141,8 @@ static bool read_places(Reading *r, bool one, bool turns, FfpError *err) {
     return ok;
 }
 
-// Places become names of pictures and views, of a walk beside calib.jpg, which is the projector.
-static bool check_names(const FfpShotFolders *folders, bool turns, FfpError *err) {
+// Places of a walk become names of pictures and views; calib.jpg among them is the projector.
+static bool check_names(const FfpShotFolders *folders, FfpError *err) {
     for (int i = 0; i < folders->n; i++) {
         const char *name = folders->folders[i].name;
         if (!ffp_is_name(name))
@@ -150,7 +150,7 @@ static bool check_names(const FfpShotFolders *folders, bool turns, FfpError *err
                 err, FFP_ERROR_FILE, folders->folders[i].files[0],
                 "rename the folder: no view can be called so (up to %d bytes of UTF-8 without \\)",
                 FFP_NAME_MAX - 1);
-        if (!turns && ffp_colmap_is_called(name, FFP_COLMAP_PROJECTOR))
+        if (ffp_colmap_is_called(name, FFP_COLMAP_PROJECTOR))
             return ffp_fail(err, FFP_ERROR_FILE, folders->folders[i].files[0],
                             "rename the folder: the projector is called '%s' in the result",
                             FFP_COLMAP_PROJECTOR);
@@ -162,7 +162,7 @@ bool ffp_places_read(const FfpSelfCalibration *o, FfpTracks *tracks, FfpError *e
     Reading r = {.tracks = tracks, .shrink = 1, .linear = o->linear};
     tracks->panel_width = o->width, tracks->panel_height = o->height;
     bool ok = ffp_shot_folders_find(&r.folders, o->places, o->n_places, err) &&
-              check_names(&r.folders, o->n_angles > 0, err) &&
+              (o->n_angles > 0 || check_names(&r.folders, err)) &&
               (!o->shown || ffp_shot_folders_select_codes(&r.folders, o->shown, &tracks->panel_width,
                                                           &tracks->panel_height, err)) &&
               read_places(&r, !o->camera_per_folder, o->n_angles > 0, err);

@@ -213,13 +213,19 @@ static bool find_files(glob_t *found, const FfpFileSet *set, const Blanks *blank
                                    "no file matches (.JPG is not .jpg), or the folder cannot be read");
 }
 
-// Puts others behind the photographs: links that lead nowhere, and what other programs leave beside pictures
-// (Thumbs.db, 001.xmp). Returns how many photographs there are; of none, how many files, whatever they are.
+// Not a link that leads nowhere, nor one of the files that other programs leave beside pictures (Thumbs.db,
+// 001.xmp).
+static bool is_photograph(const char *path) {
+    return ffp_photograph_has_ending(path) && access(path, F_OK) == 0;
+}
+
+// Puts others behind the photographs. Returns how many photographs there are; of none, how many files,
+// whatever they are.
 static size_t photographs_first(const glob_t *found) {
     size_t n = 0;
     for (size_t i = 0; i < found->gl_pathc; i++) {
         char *path = found->gl_pathv[i];
-        if (access(path, F_OK) != 0 || !ffp_photograph_has_ending(path)) continue;
+        if (!is_photograph(path)) continue;
         found->gl_pathv[i] = found->gl_pathv[n];
         found->gl_pathv[n++] = path;
     }
@@ -355,8 +361,7 @@ static const char **list_files(FfpArena *arena, const FfpFileSet *set, const Bla
     ffp_own(found, free_glob);
     const char **files = ffp_arena_alloc(arena, found->gl_pathc + 1, sizeof *files);
     for (size_t i = 0; i < found->gl_pathc; i++)
-        if (ffp_photograph_has_ending(found->gl_pathv[i]))
-            files[(*n)++] = ffp_arena_text(arena, found->gl_pathv[i]);
+        if (is_photograph(found->gl_pathv[i])) files[(*n)++] = ffp_arena_text(arena, found->gl_pathv[i]);
     ffp_disown(found);
     free_glob(found);
     qsort(files, (size_t)*n, sizeof *files, ffp_compare_paths);

@@ -14,7 +14,7 @@
 #include "rig/graycode/orders.h"
 #include "rig/shots/file_names.h"
 
-enum { FILES_MAX = 4096, DEPTH_MAX = 8, PLAIN_MOST = 3 };
+enum { FILES_MAX = 4096, DEPTH_MAX = 8, PLAIN = 2 };
 
 static void close_folder(void *folder) {
     closedir(folder);
@@ -88,12 +88,16 @@ static bool add(FfpShotFolders *out, const char *path, const char **files, int n
     return true;
 }
 
-// Photographs of codes in a folder of their own, beside black and white, come after these.
-static bool append(FfpArena *arena, const char *folder, const char ***files, int *n, FfpError *err) {
-    const char **codes;
-    int n_codes;
-    if (!list(arena, folder, false, &codes, &n_codes, err)) return false;
-    if (n_codes <= *n) return true;
+// A folder's pictures: of two, black and white, and a single folder with more, both.
+static bool list_pictures(FfpArena *arena, const char *folder, const char ***files, int *n, FfpError *err) {
+    const char **codes, **folders;
+    int n_codes, n_folders;
+    if (!list(arena, folder, false, files, n, err)) return false;
+    if (*n != PLAIN) return true;
+    if (!list(arena, folder, true, &folders, &n_folders, err)) return false;
+    if (n_folders != 1) return true;
+    if (!list(arena, folders[0], false, &codes, &n_codes, err)) return false;
+    if (n_codes <= PLAIN) return true;
     const char **all = ffp_arena_alloc(arena, (size_t)(*n + n_codes), sizeof *all);
     memcpy(all, *files, (size_t)*n * sizeof *all);
     memcpy(all + *n, codes, (size_t)n_codes * sizeof *all);
@@ -105,15 +109,11 @@ static bool find(FfpShotFolders *out, const char *path, FfpError *err) {
     const char **files = NULL, **folders = NULL;
     int n_files = 0, n_folders = 0;
     const int before = out->n;
-    if (!list(out->arena, path, false, &files, &n_files, err)) return false;
-    if (n_files > PLAIN_MOST) return add(out, path, files, n_files, err);
+    if (!list_pictures(out->arena, path, &files, &n_files, err)) return false;
+    if (n_files > 0) return add(out, path, files, n_files, err);
     if (!list(out->arena, path, true, &folders, &n_folders, err)) return false;
-    if (n_files > 0) {
-        if (n_folders == 1 && !append(out->arena, folders[0], &files, &n_files, err)) return false;
-        return add(out, path, files, n_files, err);
-    }
     for (int i = 0; i < n_folders; i++) {
-        if (!list(out->arena, folders[i], false, &files, &n_files, err)) return false;
+        if (!list_pictures(out->arena, folders[i], &files, &n_files, err)) return false;
         if (n_files > 0 && !add(out, folders[i], files, n_files, err)) return false;
     }
     return out->n > before ||

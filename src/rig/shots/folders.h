@@ -26,9 +26,10 @@ typedef struct FfpShotFolders {
 } FfpShotFolders;
 
 // The folders that are named, or the folders in them where they hold no pictures themselves; both in natural
-// order, unless the caller's is another than that of the names' bytes. A folder of black and white alone, and
-// of one folder of more, has these, too, behind its own. Errors: a folder that is named twice, is not there
-// or holds neither pictures nor folders with pictures, more than FFP_SHOT_FOLDERS_MAX.
+// order, unless the caller's is another than that of the names' bytes. If a folder
+// holds two pictures, black and white, and a single folder with more, these follow its own. Errors: a folder
+// that is named twice, is not there or holds neither pictures nor folders with pictures, more than
+// FFP_SHOT_FOLDERS_MAX.
 bool ffp_shot_folders_find(FfpShotFolders *out, const char *const *paths, int n_paths, FfpError *err);
 // Keeps a folder's pictures under black, white and the Gray codes, in this order, among those of everything
 // that was shown: codes that are missing by the numbers of the files are NULL, with a note. A folder of these

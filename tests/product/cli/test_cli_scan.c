@@ -234,6 +234,20 @@ static void codes_beside_black_and_white(void **state) {
     assert_non_null(strstr(run.out, "3 of 3 places"));
     assert_non_null(strstr(run.out, "/beside/{view}/codes/*.*'"));
     assert_null(strstr(run.err, "made from the codes"));
+    take_commands();
+    assert_true(strncmp(typed[2], "ffprocams import ", 17) == 0);
+    snprintf(command, sizeof command, "calibrate %s/beside/* --without-board --projector 160x100 -o %s/again",
+             scratch, scratch);
+    assert_int_equal(run_format(&run, "%s", command), 0);
+    const char *hint = strstr(run.out, "ffprocams import ");
+    assert_true(hint && !strstr(run.out, "ffprocams patterns"));
+    assert_non_null(strstr(hint, "/beside/{view}/codes/*' -i 'black,white="));
+    assert_int_equal(run_format(&run, "scan %s/beside --projector 160x100 -o b --dry-run", scratch), 0);
+    assert_non_null(strstr(run.out, "-g '"));
+    snprintf(command, sizeof command, "touch '%s/beside/00/Thumbs.db'", scratch);
+    assert_int_equal(system(command), 0);
+    run_format(&run, "scan %s/beside/* --shown %s/p -o b --dry-run", scratch, scratch);
+    assert_int_equal(run.status, 2);
     const char *line = "scan %s/beside/* %s -c %s/sides/calibration --scene --to import -w 48 -o b --dry-run";
     assert_int_equal(run_format(&run, line, scratch, "", scratch), 0);
     assert_null(strstr(run.out, "ffprocams patterns"));

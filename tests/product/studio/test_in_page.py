@@ -76,7 +76,7 @@ class Seen(threading.Thread):
     def run(self):
         while not self.ends:
             try:
-                due = self.page.run("studio.state.active && [studio.state.active.name.split('/').pop(), studio.state.active.next.number]")
+                due = self.page.run("studio.state.active && [studio.state.active.name.split('/').pop(), studio.state.active.next.number]", 5)  # a tab that crashed answers nothing
             except browser.Failure:
                 due = None  # between two pages
             if due and due != self.shown:

@@ -168,7 +168,7 @@ static void test_good(void **state) {
     near(calibration.p2c[3], -1);
     ffp_calibration_free(&calibration);
     write_text("good.yml",
-               "camK: [ '100,0,31.5; 0,100,23.5; 0,0,1' ]\nprjK: [ '90, 0, 15', '0, 90, 11', '0 0 1' ]\n"
+               "camK: [ '100,0,31.5; 0,100,23.5; 0,0,1' ]\nprjK: [ '90, 0,15', '0.0, 90.0,11.0', '0 0 1' ]\n"
                "R: [ 1, 0, 0, 0, 1, 0, 0, 0, 1 ]\nT: [ '1,0,0' ]\n");
     must_read(files, 1);
     near(calibration.camera.cx, 32);
