@@ -233,10 +233,10 @@ def begin_again(page, folder):
     """Another rig begins; the one that was saved comes back whole."""
     page.run("(window.confirm = () => true, 1)")
     page.click("#kept-new")
-    page.wait("studio.state.objects.length === 0 && studio.state.patterns.length === 0")
+    page.wait("studio.state && studio.state.objects.length === 0 && studio.state.patterns.length === 0")
     handle = page.call("Runtime.evaluate", {"expression": "document.getElementById('studio').contentDocument.getElementById('kept-file')"})["result"]["objectId"]
     page.call("DOM.setFileInputFiles", {"files": [str(folder / "rig.zip")], "objectId": handle})
-    page.wait("studio.state.objects.length === 1 && objectNow(studio.state).view")
+    page.wait("studio.state && studio.state.objects.length === 1 && objectNow(studio.state).view")
     assert page.run(f"{SETS}.every(complete)")
 
 

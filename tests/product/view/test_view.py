@@ -915,8 +915,10 @@ def check_surfaces(check, page, folder):
         viewer.setContent(new EffectContent('pulse', '#ffffff'));
         const out = [told.textContent.slice(0, 8)];
         press();
-        for (let k = 0; k < 60 && !(sound.running && sound.level > 0.02); k++) await pause();
-        out.push(told.textContent, sound.level > 0.02), press(), await pause(), out.push(sound.running, sound.level);
+        for (let k = 0; k < 300 && !(sound.running && sound.level > 0.02); k++) await pause();
+        out.push(told.textContent, sound.level > 0.02), press();
+        for (let k = 0; k < 100 && (sound.running || sound.level); k++) await pause();
+        out.push(sound.running, sound.level);
         return out; })()""")
     check("a pulse follows the microphone, and says where it hears", heard == ["No sound", "By the microphone", True, False, 0], f"{heard}")
     page.run("viewer.setContent(new TestContent('White')); viewer.changed('cues'); true")
