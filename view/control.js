@@ -85,14 +85,15 @@ function matchesPattern(pattern, address) {
 
 const lastShares = new Map();
 
-// A MIDI message, bytes, as {key, share, before}: the control's name, its value from 0 to 1 and the one before it; null:
-// clocks and the like.
+// A MIDI message, bytes, as {key, share, before, alone}: the control's name, its value from 0 to 1, the one before it, and
+// whether it has never had another than 1; null: clocks and the like. A control that is heard for the first time stood where
+// it is now, but for a button.
 function readMidi(bytes, shares = lastShares) {
   const heard = shareOfMidi(bytes);
   if (!heard) return null;
-  const before = shares.get(heard.key) ?? 0;
-  shares.set(heard.key, heard.share);
-  return {...heard, before};
+  const {share} = heard, last = shares.get(heard.key) || {share: share === 1 ? 0 : share, alone: true}, alone = last.alone && share === 1;
+  shares.set(heard.key, {share, alone});
+  return {...heard, before: last.share, alone};
 }
 
 function shareOfMidi([status, first, second = 0]) {
@@ -110,13 +111,13 @@ function shareOfMidi([status, first, second = 0]) {
 // The values that a MIDI control sends to an address. Keys and pads turn a switch when they are pressed, faders set it; a
 // fader or pedal presses once each time it passes the middle upwards, a wheel, which rests there, three quarters. A button
 // that does not tell of its release presses each time with the same value, all of it.
-function valuesOfMidi(address, {key, share, before = 0}) {
+function valuesOfMidi(address, {key, share, before = 0, alone = false}) {
   const found = controlAt(address), fader = /^(control|bend)/.test(key);
   if (!found) return null;
   if (Array.isArray(found.kind)) return [found.kind[0] + share * (found.kind[1] - found.kind[0])];
   if (found.kind === 'switch') return fader ? [share >= 0.5] : share > 0 ? [] : null;
-  const least = key.startsWith('bend') ? 0.75 : 0.5;
-  return [fader ? share >= least && (before < least || (before === 1 && share === 1)) : share > 0];
+  const wheel = key.startsWith('bend'), least = wheel ? 0.75 : 0.5;
+  return [fader ? share >= least && (before < least || (alone && !wheel)) : share > 0];
 }
 
 function checkBindings(bindings) {
@@ -243,10 +244,15 @@ async function followStudio(app) {
 // --- MIDI. ---
 
 class Midi {
-  constructor(app) { this.app = app, this.bindings = {}, this.learns = null, this.access = null; }
+  constructor(app) { this.app = app, this.bindings = {}, this.learns = null, this.access = this.opening = null; }
 
-  async open() {
-    if (this.access) return;
+  // Once, whoever asks: two accesses would hear every message twice.
+  open() {
+    this.opening ||= this.begin().catch((error) => { this.opening = null; throw error; });
+    return this.opening;
+  }
+
+  async begin() {
     if (!navigator.requestMIDIAccess) throw new Message('This browser has no MIDI. Chromium, Edge and Firefox have it.');
     this.access = await navigator.requestMIDIAccess().catch((error) => { throw new Message(`MIDI cannot be used: ${error.message || error.name}.`); });
     const listen = () => { for (const input of this.access.inputs.values()) input.onmidimessage = ({data}) => this.hear(data); };

@@ -30,7 +30,7 @@ class Library {
 
   add(entry) {
     const {content} = entry;
-    entry.id = entry.id || this.freeId();
+    if (!entry.id || this.find(entry.id)) entry.id = this.freeId(); // it may have been given away while a file was read
     content.shared = true, content.file = entry.id;
     this.entries.push(entry);
     this.app.changed('library');
@@ -369,10 +369,11 @@ async function loadStage(app, text) {
       app.library.addStream(new StreamContent(oneOf('files: live', live, ['camera', 'screen'])), id);
       continue;
     }
-    await app.library.take(new File([readBytes(String(data))], String(name), {type: String(type)}), id);
+    renamed.set(String(own), (await app.library.take(new File([readBytes(String(data))], String(name), {type: String(type)}), id)).file);
   }
   for (const layer of [...state.projectors, ...state.cues.flatMap(({shown}) => shown)].flatMap(({layers}) => layers))
     if (layer.source && renamed.has(layer.source.file)) layer.source = {...layer.source, file: renamed.get(layer.source.file)};
+  app.show.stop(); // a cue of before that still waits for its pictures
   await applyState(app, state, true);
   app.history.note();
   const missing = fontsOf(plain).filter((font) => !hasFont(font));

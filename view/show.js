@@ -140,7 +140,7 @@ class Show {
     const started = ++this.started;
     this.coming = index;
     const shown = await Promise.all(cue.shown.map((p, i) => layersOf(app, p.layers, app.projectors[i] && app.projectors[i].layers)))
-      .finally(() => { if (started === this.started) this.coming = null; });
+      .catch((error) => { if (started === this.started) this.coming = null; throw error; });
     if (started !== this.started) return app.release(shown.flat().map((layer) => layer.source));
     if (app.scene.views[cue.pose]) {
       app.jump(app.scene.views[cue.pose], true);
@@ -153,7 +153,7 @@ class Show {
       Object.assign(projector, {correction, watcher: app.scene.views[watcher] ? watcher : 'now'});
       app.setLayers(layers, projector, seconds, before !== [projector.correction, projector.watcher].join());
     });
-    this.at = index, this.playing = cue.follow !== null;
+    this.at = index, this.coming = null, this.playing = cue.follow !== null;
     if (this.playing) this.follow(1000 * (seconds + cue.follow));
     this.changed();
   }

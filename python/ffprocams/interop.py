@@ -202,7 +202,13 @@ _PINHOLE_MODELS = ("PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "RADIAL", "SIMPLE_RADI
 
 
 # Words of instant-ngp for others.
-_OTHER_LENSES = ("is_fisheye", "latlong", "equirectangular", "ftheta_p0")
+_OTHER_LENSES = ("is_fisheye", "latlong", "equirectangular", "orthographic", "ftheta_p0")
+
+
+def _is_told(word: str, frame: dict[str, Any], document: dict[str, Any]) -> bool:
+    """True of a word that is not false, or of a polynomial's term, which may be 0."""
+    value = frame.get(word, document.get(word))
+    return value is not None if word.startswith("ftheta") else bool(value)
 
 
 def _names_of_pictures(paths: list[str]) -> list[str]:
@@ -239,7 +245,7 @@ def _frames(document: dict[str, Any], key: str) -> dict[str, Pinhole]:
             return float(value)
 
         model = frame.get("camera_model", document.get("camera_model", "PINHOLE"))
-        other = next((word for word in _OTHER_LENSES if frame.get(word, document.get(word))), None)
+        other = next((word for word in _OTHER_LENSES if _is_told(word, frame, document)), None)
         if model not in _PINHOLE_MODELS or other:
             what = f"a camera with {other}" if other else f"{model}"
             raise argument_error(f"is {what}, not a pinhole: undistort the pictures first", f"{where}.camera_model")

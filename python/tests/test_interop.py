@@ -53,7 +53,7 @@ def test_damaged_transforms(capture: ffprocams.Capture, tmp_path: Path) -> None:
         ({"camera_model": "OPENCV_FISHEYE"}, "undistort"),
         ({"is_fisheye": True}, "fisheye"),
         ({"latlong": True}, "latlong, not a pinhole"),
-        ({"ftheta_p0": 0.1}, "ftheta_p0, not a pinhole"),
+        ({"ftheta_p0": 0.0}, "ftheta_p0, not a pinhole"),
     ):
         file.write_text(json.dumps({**whole, "frames": [{**whole["frames"][0], **change}]}))
         with pytest.raises(ffprocams.ArgumentError, match=word):

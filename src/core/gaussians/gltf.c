@@ -1,5 +1,6 @@
 // glTF 2.0 with KHR_gaussian_splatting.
 #include <jansson.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -452,7 +453,7 @@ static bool add_mesh(const Gltf *gltf, Scene *scene, json_int_t mesh, const Plac
     for (size_t p = 0; p < json_array_size(list); p++) {
         const json_t *primitive = json_array_get(list, p);
         if (!extension_of(primitive)) {
-            scene->others++;
+            if (scene->others < INT_MAX) scene->others++;
             continue;
         }
         if (scene->count == SETS_MAX) return fail(gltf, err, "holds too many sets of splats");

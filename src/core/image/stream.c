@@ -116,6 +116,8 @@ void ffp_stream_probe(FfpStream *stream, const char *file) {
     }
     stream->alpha |= has_alpha(stream->pixels);
     if (is(stream->codec, "webp")) stream->rate.frames = 0; // 25 is told of all of them
+    if (is(stream->codec, "apng") || is(stream->codec, "png"))
+        stream->interlaced = false; // of Adam7, not of fields
 }
 
 const char *ffp_stream_decoder(const FfpStream *stream) {

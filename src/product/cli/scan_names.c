@@ -148,7 +148,9 @@ static bool has_codes(const char *folder, char inner[FFP_CLI_NAME]) {
     for (const struct dirent *entry; directory && (entry = readdir(directory));) {
         const char *ending = strrchr(entry->d_name, '.');
         if (entry->d_name[0] == '.' || !ending) continue;
-        found = found || (count_ending(folder, ending) == 2 && count_ending(path, ending) > 2);
+        const int own = count_ending(folder, ending);
+        found = own <= 2 && (found || (own == 2 && count_ending(path, ending) > 2));
+        if (own > 2) break; // photographs, beside which two others lie
     }
     if (directory) closedir(directory);
     if (!found || (inner[0] && strcmp(inner, name) != 0)) return false;
@@ -156,7 +158,7 @@ static bool has_codes(const char *folder, char inner[FFP_CLI_NAME]) {
     return true;
 }
 
-// The same of all folders in a folder.
+// True if all folders in a folder have codes, in folders of one name.
 static bool all_have_codes(const char *folder, char inner[FFP_CLI_NAME]) {
     char path[2 * FFP_CLI_PATH];
     struct stat status;

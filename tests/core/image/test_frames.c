@@ -280,7 +280,8 @@ static void films_of_cameras(void **state) {
                  {"-c:v mpeg2video -mpegts_m2ts_mode 1", "card.m2ts", false},
                  {"-c:v mpeg2video", "card.mxf", false},
                  {"-c:v wmv2", "card.wmv", false},
-                 {"-c:v libtheora", "card.ogv", false}};
+                 {"-c:v libtheora", "card.ogv", false},
+                 {"-flags +ildct -plays 0", "passes.apng", false}}; // Adam7, which ffprobe tells as fields
     need_ffmpeg();
     for (size_t i = 0; i < sizeof films / sizeof *films; i++) {
         char command[1024], filter[FFP_STREAM_FILTER];

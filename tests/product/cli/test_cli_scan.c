@@ -248,6 +248,7 @@ static void codes_beside_black_and_white(void **state) {
     assert_int_equal(system(command), 0);
     run_format(&run, "scan %s/beside/* --shown %s/p -o b --dry-run", scratch, scratch);
     assert_int_equal(run.status, 2);
+    assert_non_null(strstr(run.err, "not --shown"));
     const char *line = "scan %s/beside/* %s -c %s/sides/calibration --scene --to import -w 48 -o b --dry-run";
     assert_int_equal(run_format(&run, line, scratch, "", scratch), 0);
     assert_null(strstr(run.out, "ffprocams patterns"));

@@ -54,12 +54,12 @@ same([['/level', 7], ['/projector/1/layer/2/speed', -9], ['/projector/1/layer/2/
 for (const [address, value] of [['/level', 'loud'], ['/projector/1/layer/2/speed', NaN], ['/projector/1/layer/2/size', null]]) same(readControl(address, [value]), null);
 
 // MIDI 1.0, table of channel messages.
-same(readMidi([0x90, 60, 127]), {key: 'note 1 60', share: 1, before: 0});
-same(readMidi([0x9f, 60, 0]), {key: 'note 16 60', share: 0, before: 0});
-same(readMidi([0x82, 60, 64]), {key: 'note 3 60', share: 0, before: 0});
-same(readMidi([0xb0, 7, 127]), {key: 'control 1 7', share: 1, before: 0});
-same(readMidi([0xc1, 5]), {key: 'program 2 5', share: 1, before: 0});
-same(readMidi([0xe0, 127, 127]), {key: 'bend 1', share: 1, before: 0});
+same(readMidi([0x90, 60, 127]), {key: 'note 1 60', share: 1, before: 0, alone: true});
+same(readMidi([0x9f, 60, 0]), {key: 'note 16 60', share: 0, before: 0, alone: false});
+same(readMidi([0x82, 60, 64]), {key: 'note 3 60', share: 0, before: 0, alone: false});
+same(readMidi([0xb0, 7, 127]), {key: 'control 1 7', share: 1, before: 0, alone: true});
+same(readMidi([0xc1, 5]), {key: 'program 2 5', share: 1, before: 0, alone: true});
+same(readMidi([0xe0, 127, 127]), {key: 'bend 1', share: 1, before: 0, alone: true});
 for (const other of [[0xf8], [0xf0, 1, 2], [0xa0, 60, 1], [0x30, 1, 1]]) same(readMidi(other), null);
 
 const fader = (share) => ({key: 'control 1 7', share}), pad = (share) => ({key: 'note 1 36', share});
@@ -75,6 +75,9 @@ same(pressed, [false, false, true, false, false, false, false, false, false, tru
 const pushed = (...bytes) => bytes.map((value) => valuesOfMidi('/go', readMidi([0xe3, value & 127, value >> 7]))[0]);
 same(pushed(8192, 16383, 8192, 0, 8192, 14000, 8192), [false, true, false, false, false, true, false]);
 same([127, 127, 127].map((value) => valuesOfMidi('/go', readMidi([0xb4, 20, value]))[0]), [true, true, true]);
+// Not a fader that stays at its top, as those of 14 bits do, nor one that stood high before the page listened.
+same([90, 127, 127, 127].map((value) => valuesOfMidi('/go', readMidi([0xb4, 21, value]))[0]), [false, false, false, false]);
+same([102, 103, 20, 103].map((value) => valuesOfMidi('/go', readMidi([0xb4, 22, value]))[0]), [false, false, false, true]);
 
 // From a stage that somebody else wrote.
 same(checkBindings({'note 1 60': '/go', 'bend 2': '/fade', 'note 1 60; x': '/go', 'control 1 7': '/nothing', 'program 1 2': null}), {'note 1 60': '/go', 'bend 2': '/fade'});
@@ -91,6 +94,7 @@ same(order, ['first', 'at once']); // nothing waits for a single one, and a bund
 applyEvents([{address: 'slow', bundle: 4}, {address: 'then', bundle: 4}, {address: 'alone'}, {address: 'other', bundle: 9}], act);
 applyEvents([{address: 'later'}, {address: '/blackout'}], act);
 same(order, ['first', 'at once', '/blackout']);
+let midiTried = false;
 // A page that comes back hears its controls; MIDI that is refused is reported once, and nobody is asked without need.
 (async () => {
   const input = {}, heard = [];
@@ -102,10 +106,14 @@ same(order, ['first', 'at once', '/blackout']);
   midi.bindings = {'note 1 60': '/go'};
   await midi.wake(), await midi.wake();
   same([asked, typeof input.onmidimessage, heard], [1, 'function', []]);
-  sandbox.navigator = {};
+  const both = Object.assign(new Midi({changed() {}}), {bindings: {'note 1 60': '/go'}});
+  await Promise.all([both.wake(), both.learn('/go')]);
+  same(asked, 2); // one more, not two
+  heard.length = 0, sandbox.navigator = {};
   const none = Object.assign(new Midi({changed() {}}), {bindings: {'note 1 60': '/go'}});
   await none.wake(), await none.wake();
   assert.ok(heard.length === 1 && /^MIDI controls do nothing yet: This browser has no MIDI\..* Learn tries again\.$/.test(heard[0]), heard.join());
+  midiTried = true;
 })();
 
 // A studio that has ended is told: no GO comes from it any more.
@@ -118,5 +126,6 @@ setTimeout(() => {
   same(order, ['first', 'at once', '/blackout', 'slow alone', 'slow', 'then', 'alone', 'other', 'later']);
   applyEvents([{address: 'after all'}], act);
   same(order.at(-1), 'after all'); // at once again
+  same(midiTried, true);
   console.log('control: all passed');
 }, 200);

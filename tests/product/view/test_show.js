@@ -112,6 +112,18 @@ process.exitCode = 1; // until all of it has run: a promise that nothing resolve
   await Promise.all([first, second]);
   assert.deepStrictEqual([show.at, show.here, happened().at(-1)], [1, 1, '0: green in 3 s']);
   await fade(show.go(2));
+  // So do they whenever the second comes.
+  for (let k = 0; k < 12; k++) {
+    const one = show.go();
+    arrive();
+    for (let i = 0; i < k; i++) await null;
+    const two = show.go();
+    arrive();
+    await Promise.all([one, two]);
+    assert.deepStrictEqual([k, show.at], [k, 1]);
+    await fade(show.go(2));
+  }
+  happened();
 
   // A stop lets the next cue not follow.
   show.stop();
@@ -177,7 +189,7 @@ process.exitCode = 1; // until all of it has run: a promise that nothing resolve
   // Files of a stage come beside those of the same number that are here, and the same ones once.
   Object.assign(globalThis, {checkState: async (_, plain) => plain, applyState: async (to, state) => { to.applied = state; }, readBytes: (text) => Buffer.from(text, 'base64'),
     contentOfFile: async (file) => ({name: file.name})});
-  const page = {library: new Library({changed() {}}), history: {note() {}}}, showing = (file) => ({layers: [{source: {file}}]});
+  const page = {library: new Library({changed() {}}), history: {note() {}}, show: {stop() {}}}, showing = (file) => ({layers: [{source: {file}}]});
   await page.library.take(new File(['mine'], 'mine.png'));
   const theirs = JSON.stringify({format: STAGE_FORMAT, projectors: [showing('1'), showing('2')], cues: [{shown: [showing('1')]}],
     files: [{id: '1', name: 'theirs.png', type: '', data: btoa('theirs')}, {id: '2', name: 'second.png', type: '', data: btoa('second')}, {id: '3', name: 'Camera', live: 'camera'}]});
