@@ -98,7 +98,7 @@ static bool list_pictures(FfpArena *arena, const char *folder, const char ***fil
     if (n_folders != 1) return true;
     if (!list(arena, folders[0], false, &codes, &n_codes, err)) return false;
     if (n_codes <= PLAIN) return true;
-    const char **all = ffp_arena_alloc(arena, (size_t)(*n + n_codes), sizeof *all);
+    const char **all = ffp_arena_alloc(arena, (size_t)*n + (size_t)n_codes, sizeof *all);
     memcpy(all, *files, (size_t)*n * sizeof *all);
     memcpy(all + *n, codes, (size_t)n_codes * sizeof *all);
     *files = all, *n += n_codes;

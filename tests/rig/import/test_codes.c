@@ -443,8 +443,8 @@ static void shell(const char *command) {
 static void test_missing_photographs(void **state) {
     (void)state;
     static const char *const cases[3] = {
-        "mkdir gaps0 && cp photos/*.png gaps0 && rm gaps0/003.png gaps0/008.png gaps0/017.png && "
-        "ln -s nowhere gaps0/017.png && touch gaps0/Thumbs.db gaps0/001.xmp",
+        ("mkdir gaps0 && cp photos/*.png gaps0 && rm gaps0/003.png gaps0/008.png gaps0/017.png && "
+         "ln -s nowhere gaps0/017.png && touch gaps0/Thumbs.db gaps0/001.xmp"),
         "mkdir gaps1 && cp photos/*.png gaps1 && rm gaps1/02[4567].png",
         "mkdir gaps2 && n=100; for i in photos/*[02468].png; do cp $i gaps2/c$n.png; n=$((n + 1)); done"};
     for (int k = 0; k < 3; k++) {
