@@ -158,9 +158,8 @@ static bool is_of(const char *address, const char *control) {
 
 // FOREIGN: no control begins like it. PRESS: no later message takes its place.
 static int sort_of(const char *address) {
-    static const char *const presses[] = {"/go", "/hold", "/back", "/cue"}, *const others[] = {
-                                                                                "/fade", "/blackout", "/test",
-                                                                                "/level", "/projector"};
+    static const char *const presses[] = {"/go", "/hold", "/back", "/cue"};
+    static const char *const others[] = {"/fade", "/blackout", "/test", "/level", "/projector"};
     for (size_t i = 0; i < sizeof presses / sizeof *presses; i++)
         if (is_of(address, presses[i])) return PRESS;
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
