@@ -158,25 +158,17 @@ static bool has_codes(const char *folder, char inner[FFP_CLI_NAME]) {
     return true;
 }
 
-// True if all folders in a folder have codes, in folders of one name.
-static bool all_have_codes(const char *folder, char inner[FFP_CLI_NAME]) {
-    char path[2 * FFP_CLI_PATH];
-    struct stat status;
-    DIR *directory = opendir(folder);
-    bool found = directory != NULL;
-    for (const struct dirent *entry; found && (entry = readdir(directory));) {
-        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
-        if (entry->d_name[0] != '.' && stat(path, &status) == 0 && S_ISDIR(status.st_mode))
-            found = has_codes(path, inner);
-    }
-    if (directory) closedir(directory);
-    return found && inner[0];
-}
-
 bool ffp_cli_find_codes(const char *const *folders, int n, char inner[FFP_CLI_NAME]) {
-    bool found = true;
+    char pattern[FFP_CLI_PATH + 8];
+    glob_t inside = {0};
+    if (n == 1 && ffp_cli_count_entries(folders[0], true) == 0) {
+        snprintf(pattern, sizeof pattern, "%s/*/", folders[0]);
+        if (glob(pattern, 0, NULL, &inside) == 0)
+            folders = (const char *const *)inside.gl_pathv, n = (int)inside.gl_pathc;
+    }
+    bool found = n > 0;
     inner[0] = 0;
-    if (n == 1 && ffp_cli_count_entries(folders[0], true) == 0) return all_have_codes(folders[0], inner);
     for (int i = 0; i < n && found; i++) found = has_codes(folders[i], inner);
+    globfree(&inside);
     return found;
 }
